@@ -11,7 +11,9 @@ use crate::job::outputs::{JobOutputs, JobRecord, TOOL, failure_of};
 use crate::report::{Report, crossing_counts, source_crossings};
 use crease_io::Sidecar;
 use crease_model::error::{Error, Message, Result, Vocabulary};
+use crease_model::remesh::{GarmentSurface, WornSurface};
 use serde_json::{Value, json};
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -196,11 +198,16 @@ impl BakeJob {
         let mut report = Report::of_bake(garment, &baked, counts, words);
         report.method = self.method().to_owned();
         let sidecar = self.sidecar(&baked)?;
-        let BakeResult { worn, report: work, .. } = baked;
+        let BakeResult { worn, simulated, report: work, .. } = baked;
+        let width = self.input.fabric.crease_width();
+        let surface = self.record.output.detail.map(|_| {
+            WornSurface::new(&GarmentSurface::without_texture(&simulated.garment), &simulated.worn, width)
+        });
         let Self { record, input, frames, checkpoints, .. } = self;
         let mut outputs =
             JobOutputs::new(input.garment, input.fabric, Some((worn, sidecar)), report, record, words);
         (outputs.frames, outputs.checkpoints) = (frames, checkpoints);
+        outputs.surface = surface.map_or_else(OnceCell::new, OnceCell::from);
         let name = outputs.name();
         let place = |text: &str| match name.is_empty() {
             true => String::new(),

@@ -2,7 +2,6 @@
 
 use crate::files::GarmentFile;
 use crease_geometry::mesh::PointIndex;
-use crease_io::gltf::{DetailInput, FlatNormals};
 use crease_io::{ReadOptions, Sidecar};
 use crease_model::error::{Error, Message, Result, Setting};
 use crease_model::fabric::Fabric;
@@ -155,17 +154,6 @@ impl Refinement {
         let note = format!("resolution: {after} points instead of {before}, edges of about {mm} mm{region}");
         let coarse = std::mem::replace(garment, refined.garment);
         Ok(Self { note, coarse: Some(CoarseGarment { garment: coarse, parent: refined.parent }) })
-    }
-
-    /// Returns the wrinkles of the refined garment `fine` that its file cannot show; `None` if it was not refined.
-    pub fn detail<'a>(
-        &'a self,
-        fine: &'a Garment,
-        worn: &'a WornGarment,
-        flat_normals: FlatNormals,
-    ) -> Option<DetailInput<'a>> {
-        let CoarseGarment { garment, parent } = self.coarse.as_ref()?;
-        Some(DetailInput { coarse: garment, fine, parent, worn, flat_normals })
     }
 }
 

@@ -19,7 +19,7 @@ pub struct OutputOptions {
     pub path: Option<PathBuf>,
     /// Shape and normals of OUT.glb.
     pub shape: ShapeOptions,
-    /// Normal maps of the wrinkles that only a refined mesh resolves.
+    /// Normal maps of the worn surface.
     pub detail: Option<DetailOptions>,
     /// Files for other programs.
     pub exports: Vec<Export>,
@@ -47,7 +47,7 @@ pub struct ShapeOptions {
     pub flat_normals: FlatNormals,
 }
 
-/// Detail maps of a refined garment.
+/// Detail maps of a worn garment.
 #[derive(Debug, Clone, Copy)]
 pub struct DetailOptions {
     /// Texels per side.
@@ -93,22 +93,17 @@ impl ShapeOptions {
 }
 
 impl DetailOptions {
-    /// Adds detail maps to the worn glTF `glb`, and the pictures that go beside `worn` to `outputs`. `detail` is `None` where the
-    /// garment was not refined. Reports and warnings go to `written`.
+    /// Adds detail maps to the worn glTF `glb`, and the pictures that go beside `worn` to `outputs`. Reports and warnings go to `written`.
     pub(super) fn add(
         self,
         worn: &Path,
         outputs: &mut Outputs,
         written: &mut WrittenFiles,
         asset: &SourceAsset,
-        detail: Option<DetailInput>,
+        detail: &DetailInput,
         glb: Vec<u8>,
     ) -> Result<Vec<u8>> {
-        let Some(detail) = detail else {
-            written.warnings.push("no detail map: the garment was not refined".to_owned());
-            return Ok(glb);
-        };
-        let detailed = add_detail_map(&glb, asset, &detail, self.texels as usize, self.depth)?;
+        let detailed = add_detail_map(&glb, asset, detail, self.texels as usize, self.depth)?;
         written.warnings.extend(detailed.notes);
         for (k, map) in detailed.maps.iter().enumerate() {
             let beside = |kind: &str| map_path(worn, kind, k, detailed.maps.len());

@@ -12,10 +12,13 @@ use crate::report::render::{Camera, encode_png};
 use crate::report::{ColorBy, GarmentView};
 use crate::report::{Export, Report, TransferReport};
 use crease_geometry::math::Vec3;
+use crease_io::gltf::DetailInput;
 use crease_io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar_to};
 use crease_model::error::{Error, Message, Result, Vocabulary};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{SourceAsset, WornGarment, mistaken_body};
+use crease_model::remesh::{GarmentSurface, WornSurface};
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -41,6 +44,8 @@ pub struct JobOutputs<R> {
     pub converged: bool,
     pub(super) record: JobRecord,
     pub(super) fabric: Fabric,
+    /// What was worn, on the mesh that was simulated; made of the worn garment where nothing else was.
+    pub(super) surface: OnceCell<WornSurface>,
     /// Frames that are written already, for files that hold them.
     pub(super) frames: Option<FrameOptions>,
     /// Checkpoint, which is removed when the outputs are written.
@@ -76,6 +81,7 @@ impl<R: JobReport> JobOutputs<R> {
             converged: true,
             record,
             fabric,
+            surface: OnceCell::new(),
             frames: None,
             checkpoints: None,
         }
@@ -121,14 +127,24 @@ impl<R: JobReport> JobOutputs<R> {
         (worn, sidecar): &(WornGarment, Sidecar),
         JobFiles { paths, outputs }: &mut JobFiles,
     ) -> Result<WrittenFiles> {
-        let (options, ReadGarment { mesh, refinement, .. }) = (&self.record.output, &self.garment);
+        let (options, ReadGarment { mesh, .. }) = (&self.record.output, &self.garment);
         let mut written = WrittenFiles::default();
         let mut glb = options.shape.worn_glb(mesh, worn, &paths.extras())?;
         if let Some(maps) = options.detail {
-            let normals = options.shape.flat_normals;
-            let refinement = refinement.as_ref();
-            let detail = refinement.and_then(|refinement| refinement.detail(&mesh.garment, worn, normals));
-            glb = maps.add(&paths.worn, outputs, &mut written, &mesh.asset, detail, glb)?;
+            let surface = self.surface.get_or_init(|| {
+                WornSurface::new(
+                    &GarmentSurface::without_texture(&mesh.garment),
+                    worn,
+                    self.fabric.crease_width(),
+                )
+            });
+            let detail = DetailInput {
+                coarse: self.garment.coarse(),
+                displacement: &worn.displacement,
+                surface,
+                flat_normals: options.shape.flat_normals,
+            };
+            glb = maps.add(&paths.worn, outputs, &mut written, &mesh.asset, &detail, glb)?;
         }
         let name = output_name(&paths.worn);
         outputs.add(&paths.worn, &options.shape.applied(&name, glb)?)?;

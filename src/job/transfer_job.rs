@@ -11,14 +11,16 @@ use crate::job::output_options::OutputOptions;
 use crate::job::outputs::{JobOutputs, JobRecord, TOOL, failure_of};
 use crate::report::{TransferReport, crossing_counts, source_crossings};
 use crate::transfer::{
-    PointPair, Transfer, TransferOptions, TransferResult, TransferSource, mesh_along_creases,
+    CarriedOnMesh, PointPair, Transfer, TransferOptions, TransferResult, TransferSource, mesh_along_creases,
 };
-use crease_io::{Landmarks, Sidecar};
+use crease_geometry::math::Vec3;
+use crease_io::{Landmarks, Sidecar, sidecar_surface};
 use crease_model::error::{Message, Result};
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::WornGarment;
-use crease_model::remesh::GarmentSurface;
+use crease_model::remesh::{GarmentSurface, WornSurface};
 use serde_json::{Value, json};
+use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
 /// Transfer of memory to another garment: sources and options.
@@ -68,7 +70,7 @@ impl TransferJob {
         let transfer = Transfer::between(&input.sources, &surface).options(input.options.clone());
         let carried = transfer.run_along_creases(garment, &mesh_along_creases)?;
         let start = source_crossings(garment);
-        let RelaxResult { displacement, warnings, unconverged_reason, .. } =
+        let RelaxResult { displacement, on_mesh, warnings, unconverged_reason, .. } =
             relax_target(garment, &input.fabric, &input.sidecars, &carried);
         let worn = WornGarment { displacement, memory: carried.memory.clone() };
         record.warn(warnings);
@@ -86,10 +88,15 @@ impl TransferJob {
             sources: carried_sources(&input.sources, &carried),
             ..TransferReport::of_transfer(&carried, &surface)
         };
+        let surface = match record.output.detail {
+            Some(_) => input.worn_surface(&carried, on_mesh)?,
+            None => None,
+        };
         let sidecar = input.sidecar(&worn, &carried, &report)?;
         let TransferInput { target, fabric, .. } = input;
         let mut outputs =
             JobOutputs::new(target, fabric, Some((worn, sidecar)), report, record, observer.words());
+        outputs.surface = surface.map_or_else(OnceCell::new, OnceCell::from);
         outputs.converged = unconverged_reason.is_none();
         outputs.failure = failure_of(unconverged_reason.map(Message::from), carried.empty_reason);
         Ok(outputs)
@@ -144,6 +151,28 @@ impl TransferInput {
             ),
             None => GarmentSurface::from_garment(garment, asset),
         }
+    }
+
+    /// Returns what was worn on the mesh that the target was relaxed on, `displacement` being that of its points [m]; for memory that was
+    /// transferred unchanged, on the mesh that its sidecar holds. `None` where the memory is on the target's own triangles only.
+    fn worn_surface(
+        &self,
+        carried: &TransferResult,
+        displacement: Option<Vec<Vec3>>,
+    ) -> Result<Option<WornSurface>> {
+        let width = self.fabric.crease_width();
+        if let Some((CarriedOnMesh { mesh, memory }, displacement)) =
+            carried.on_mesh.as_ref().zip(displacement)
+        {
+            let worn = WornGarment { displacement, memory: memory.clone() };
+            let mesh = GarmentSurface::without_texture(&mesh.garment);
+            return Ok(Some(WornSurface::new(&mesh, &worn, width)));
+        }
+        let own = self.sidecars.first().filter(|_| carried.unchanged);
+        let Some(own) = own.and_then(|sidecar| sidecar.simulated.as_deref()) else { return Ok(None) };
+        let (mesh, memory) = sidecar_surface(&self.target.mesh.asset.file, own)?;
+        let worn = WornGarment { displacement: own.worn().displacement, memory };
+        Ok(Some(WornSurface::new(&mesh, &worn, width)))
     }
 
     fn sidecar(

@@ -7,7 +7,7 @@
 use crate::transfer::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_model::garment::RestState;
-use crease_model::remesh::GarmentSurface;
+use crease_model::remesh::{GarmentSurface, HingeChain};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -77,11 +77,14 @@ pub(super) fn crease_lines(
     size: f64,
 ) -> Vec<CreaseLine> {
     let mut lines: Vec<CreaseLine> = Vec::new();
-    let mut chains = chains(surface, memory);
+    let strong =
+        |h: usize| (memory.rest_angle[h] - memory.source_angle[h]).abs() >= TUNING.min_crease_line_angle;
+    let mut chains =
+        HingeChain::all(&surface.points, &surface.topology, strong, TUNING.min_crease_line_cosine);
     chains.retain(|chain| chain.length >= TUNING.min_crease_line_fraction * size);
     chains.sort_by(|a, b| b.length.total_cmp(&a.length).then_with(|| a.points.cmp(&b.points)));
     for chain in chains {
-        let line = chain.line(surface, target_edge);
+        let line = CreaseLine::of(&chain, surface, target_edge);
         // Two rows of strong hinges side by side are one crease.
         let beside = |(ends, h): &(&[u32], &u32)| {
             let middle = 0.5 * (surface.points[ends[0] as usize] + surface.points[ends[1] as usize]);
@@ -102,26 +105,11 @@ fn length(surface: &GarmentSurface, ends: &[u32]) -> f64 {
     (surface.points[ends[1] as usize] - surface.points[ends[0] as usize]).norm()
 }
 
-/// Strong hinges that go straight on from one another.
-struct Chain {
-    /// Points along it.
-    points: Vec<u32>,
-    /// Hinge between each two of them.
-    hinges: Vec<u32>,
-    /// Its length [m].
-    length: f64,
-}
-
-impl Chain {
-    /// Ends and hinge of every edge.
-    fn edges(&self) -> impl Iterator<Item = (&[u32], &u32)> {
-        self.points.windows(2).zip(&self.hinges)
-    }
-
-    fn line(&self, surface: &GarmentSurface, target_edge: f64) -> CreaseLine {
+impl CreaseLine {
+    fn of(chain: &HingeChain, surface: &GarmentSurface, target_edge: f64) -> Self {
         let mut heights = Vec::new();
         let mut start = Vec::new();
-        for (ends, h) in self.edges() {
+        for (ends, h) in chain.edges() {
             for f in surface.topology.hinges[*h as usize].triangles {
                 heights
                     .push(surface.normal(f as usize).norm() / length(surface, ends).max(f64::MIN_POSITIVE));
@@ -131,9 +119,9 @@ impl Chain {
         heights.sort_by(f64::total_cmp);
         let row = heights[heights.len() / 2].clamp(TUNING.min_crease_row, TUNING.max_crease_row);
         let reach = TUNING.crease_line_reach * (row + target_edge);
-        CreaseLine {
-            points: self.points.iter().map(|&p| surface.points[p as usize]).collect(),
-            hinges: self.hinges.clone(),
+        Self {
+            points: chain.points.iter().map(|&p| surface.points[p as usize]).collect(),
+            hinges: chain.hinges.clone(),
             around: triangles_within(surface, &start, reach),
             row,
         }
@@ -162,89 +150,4 @@ fn triangles_within(surface: &GarmentSurface, start: &[u32], reach: f64) -> FxHa
         }
     }
     distance.into_keys().collect()
-}
-
-/// Chains of strong hinges that go straight on from one another.
-fn chains(surface: &GarmentSurface, memory: &RestState) -> Vec<Chain> {
-    let mut at_point: FxHashMap<u32, Vec<u32>> = FxHashMap::default();
-    let (mut edges, mut hinges) = (Vec::new(), Vec::new());
-    for (h, hinge) in surface.topology.hinges.iter().enumerate() {
-        if (memory.rest_angle[h] - memory.source_angle[h]).abs() >= TUNING.min_crease_line_angle {
-            for p in &hinge.points[..2] {
-                at_point.entry(p.0).or_default().push(edges.len() as u32);
-            }
-            edges.push([hinge.points[0].0, hinge.points[1].0]);
-            hinges.push(h as u32);
-        }
-    }
-    let next = continuations(surface, &edges, &at_point);
-    let mut used = vec![false; edges.len()];
-    let mut chains = Vec::new();
-    for first in 0..edges.len() {
-        if used[first] {
-            continue;
-        }
-        used[first] = true;
-        // From the second end on, then from the first: points, and the hinges after the first edge.
-        let mut halves: [(Vec<u32>, Vec<u32>); 2] = Default::default();
-        for ((points, beyond), end) in halves.iter_mut().zip([1, 0]) {
-            let (mut edge, mut end) = (first, end);
-            loop {
-                let point = edges[edge][end];
-                points.push(point);
-                let Some(other) = next[edge][end].filter(|other| !used[*other as usize]) else { break };
-                edge = other as usize;
-                used[edge] = true;
-                beyond.push(hinges[edge]);
-                end = usize::from(edges[edge][0] == point);
-            }
-        }
-        let [(ahead, hinges_ahead), (back, hinges_back)] = halves;
-        let points: Vec<u32> = back.into_iter().rev().chain(ahead).collect();
-        chains.push(Chain {
-            length: points.windows(2).map(|ends| length(surface, ends)).sum(),
-            points,
-            hinges: hinges_back.into_iter().rev().chain([hinges[first]]).chain(hinges_ahead).collect(),
-        });
-    }
-    chains
-}
-
-/// Per edge and end: the edge that goes on there. At every point the straightest pairs are joined first.
-fn continuations(
-    surface: &GarmentSurface,
-    edges: &[[u32; 2]],
-    at_point: &FxHashMap<u32, Vec<u32>>,
-) -> Vec<[Option<u32>; 2]> {
-    let mut next = vec![[None; 2]; edges.len()];
-    let mut points: Vec<&u32> = at_point.keys().collect();
-    points.sort_unstable();
-    for p in points {
-        let own = &at_point[p];
-        let outward = |e: u32| {
-            let [a, b] = edges[e as usize];
-            let other = if a == *p { b } else { a };
-            (surface.points[other as usize] - surface.points[*p as usize])
-                .try_normalize(0.0)
-                .unwrap_or_else(Vec3::zeros)
-        };
-        let mut pairs = Vec::new();
-        for (i, &a) in own.iter().enumerate() {
-            for &b in &own[i + 1..] {
-                let cosine = -outward(a).dot(&outward(b));
-                if cosine >= TUNING.min_crease_line_cosine {
-                    pairs.push((cosine, a, b));
-                }
-            }
-        }
-        pairs.sort_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-        let end = |e: u32| usize::from(edges[e as usize][1] == *p);
-        for (_, a, b) in pairs {
-            if next[a as usize][end(a)].is_none() && next[b as usize][end(b)].is_none() {
-                next[a as usize][end(a)] = Some(b);
-                next[b as usize][end(b)] = Some(a);
-            }
-        }
-    }
-    next
 }

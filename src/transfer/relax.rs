@@ -39,5 +39,5 @@ pub fn relax_carried(garment: &Garment, fabric: &Fabric, carried: &TransferResul
         Some(rigid) => rigid.displacement(&displacement),
         None => displacement,
     };
-    RelaxResult { displacement, ..relaxed }
+    RelaxResult { displacement, on_mesh: Some(relaxed.displacement), ..relaxed }
 }

@@ -31,6 +31,8 @@ use crease_solver::sim::{GRAVITY, NewtonOptions, Stepper};
 pub struct RelaxResult {
     /// One per point: displacement from the source pose [m].
     pub displacement: Vec<Vec3>,
+    /// Displacement of the points of the mesh that the garment was relaxed on [m], if that is another one.
+    pub on_mesh: Option<Vec<Vec3>>,
     /// Linear solves of global Newton iterations.
     pub solves: u64,
     /// Linear solves of local Newton iterations.

@@ -1,5 +1,4 @@
-//! `--resolution` and `--detail-map`: a garment refined beyond its file, and normal maps of the wrinkles that only the refined mesh
-//! resolves.
+//! `--resolution` and `--detail-map`: a garment refined beyond its file, and normal maps of the worn surface.
 
 use crate::args::values::{Choice, choice, positive};
 use clap::builder::RangedU64ValueParser;
@@ -13,8 +12,8 @@ pub struct RefineArgs {
     /// keep their number and position
     #[arg(long, help_heading = "Quality", value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
     resolution: Option<f64>,
-    /// Write wrinkles that only the refined mesh resolves into a normal map of TEXELS x TEXELS [2048 if no number is
-    /// given] in the material of OUT.glb
+    /// Write what the triangles of the file cannot show of the worn surface, creases first of all, into a normal map of TEXELS x TEXELS
+    /// [2048 if no number is given] in the material of OUT.glb
     #[arg(
         long,
         help_heading = "Output",
@@ -22,14 +21,13 @@ pub struct RefineArgs {
         num_args = 0..=1,
         require_equals = true,
         default_missing_value = "2048",
-        requires = "resolution",
         value_parser = side()
     )]
     detail_map: Option<u64>,
     /// Bits per channel of the normal map
     #[arg(long, help_heading = "Output", value_name = "BITS", value_parser = choice(&DEPTHS), default_value = "8", requires = "detail_map")]
     normal_map_bits: MapDepth,
-    /// Also write the height of these wrinkles over the triangles of the file, as OUT.height.png
+    /// Also write the height of the worn surface over the triangles of the file, as OUT.height.png
     #[arg(long, help_heading = "Output", requires = "detail_map")]
     height_map: bool,
 }

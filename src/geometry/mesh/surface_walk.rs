@@ -6,6 +6,7 @@ use crate::mesh::distance::point_triangle_squared;
 use crate::mesh::triangle::corners;
 
 /// Neighbours of the triangles of a surface.
+#[derive(Debug)]
 pub struct SurfaceWalk {
     /// Per triangle: itself and all that have a point in common with it, sorted.
     rings: Vec<Vec<u32>>,

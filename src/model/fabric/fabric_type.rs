@@ -213,6 +213,12 @@ impl Fabric {
         self.thickness_mm * 1e-3
     }
 
+    /// Width of cloth over which a fold bends [m]: the half circle at the depth of one thickness below the axis of the fold, the mean of the
+    /// two innermost layers of a stack. The depth is an assumption.
+    pub fn crease_width(&self) -> f64 {
+        std::f64::consts::PI * self.thickness()
+    }
+
     /// Stretch stiffness along warp [N/m].
     pub fn stretch_warp(&self) -> f64 {
         self.stretch_warp_n_per_m

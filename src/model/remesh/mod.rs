@@ -11,6 +11,7 @@
 //! Knows no script and no fabric: `bake::choose_mesh` says which lines and lengths a wear asks for.
 
 mod carry;
+mod hinge_chains;
 mod improve;
 mod refine;
 mod simulation_mesh;
@@ -18,18 +19,21 @@ mod sizing;
 mod surface_finder;
 mod surface_mesh;
 mod tuning;
+mod worn_surface;
 
 pub use carry::{
     Channels, Correspondence, DeltaScale, GarmentSurface, Match, MemoryDelta, Query, ResampledFace,
     StretchDelta, WeightedSum, prolongate, resample, resolved_memory, restrict, smallest_rotation,
     texture_gradient, warp_direction,
 };
+pub use hinge_chains::HingeChain;
 pub use improve::improve;
 pub use refine::Refinement;
 pub use simulation_mesh::SimulationMesh;
 pub use sizing::{Seed, SizeField};
 pub use surface_finder::SurfaceFinder;
 pub use surface_mesh::{Curve, CutPoint, SurfaceMesh, SurfacePoint, interpolate};
+pub use worn_surface::{WornPlace, WornSurface};
 
 impl SurfaceMesh<'_> {
     /// The mesh as it is, to simulate on.

@@ -24,6 +24,22 @@ pub(super) struct RemeshTuning {
     /// Weight of kinks in the projection [-], default 0.07: creases that run across triangles of 18 mm are straight, and 0.72 of what is
     /// remembered is seen (0.03: 0.79, but the ridge is a row of teeth; 0.1: 0.69; 0.3: 0.55).
     pub kink_weight: f64,
+    /// Change of rest angle from which a hinge can be part of a crease of the worn surface [rad], default 0.2.
+    pub min_crease_angle: f64,
+    /// Cosine of the bend of a crease from one edge to the next [-], default 0.87: 30 degrees.
+    pub min_crease_cosine: f64,
+    /// Length of a crease of the worn surface, at least [m], default 0.04: some edges.
+    pub min_crease_length: f64,
+    /// Cosine of the angle between the edges of a crease and of the row beside it [-], default 0.8.
+    pub min_row_cosine: f64,
+    /// Distance of a row from its crease, at most [m], default 0.012: 1.5 times that at which rows are drawn.
+    pub max_row_distance: f64,
+    /// Distance over which the turn of a panel is averaged where it is carried to a crease [m], default 6e-3.
+    pub strip_reach: f64,
+    /// Smallest cosine between a triangle of the garment and that of the mesh in which it is found [-], default 0.2.
+    pub min_start_cosine: f64,
+    /// Largest distance between them [m], default 0.02: the height of a chord of the longest edges over a sleeve.
+    pub max_start_distance: f64,
     /// Residual of the projection [m], default 1e-6.
     pub projection_tol: f64,
     /// Largest number of iterations of the projection, default 60: a fifth of that is usual.
@@ -66,6 +82,14 @@ pub(super) const TUNING: RemeshTuning = RemeshTuning {
     degenerate_shape: 1e-3,
     projection_parts: 4,
     kink_weight: 0.07,
+    min_crease_angle: 0.2,
+    min_crease_cosine: 0.87,
+    min_crease_length: 0.04,
+    min_row_cosine: 0.8,
+    max_row_distance: 0.012,
+    strip_reach: 6e-3,
+    min_start_cosine: 0.2,
+    max_start_distance: 0.02,
     projection_tol: 1e-6,
     max_projection_iterations: 60,
     max_walk: 400,

@@ -1,11 +1,11 @@
-//! Writes fine wrinkles as a normal map: the detail of a garment that was simulated on a finer mesh than its file's.
+//! Writes the worn surface as a normal map: what the file's triangles cannot show of it.
 //!
-//! Last pass over the worn GLB. Every triangle of the fine garment lies on one of the file (its parent), so that it has a
-//! position in texture space. There the fine garment's worn normal is written in the frame that a viewer computes from
+//! Last pass over the worn GLB. Every texel belongs to a place of the file's triangles, and there the worn surface (`WornSurface`) says
+//! how the wear turned the cloth: the file's own normal, turned by that, is written in the frame that a viewer computes from
 //! the file's worn vertices: normal and tangent with the morph target applied, interpolated and normalised, bitangent
-//! cross(normal, tangent) times handedness; directions are solved for in that frame, which need not be orthogonal. The
-//! fine normal is the file's normal rotated by the wear (`worn_target`), so that unworn cloth gives a flat map and hard
-//! edges stay hard. An existing normal map of the material is rotated with the fine surface (the file's weave continues
+//! cross(normal, tangent) times handedness; directions are solved for in that frame, which need not be orthogonal.
+//! Unworn cloth gives a flat map, hard edges stay hard, and creases are as narrow as those of the surface whatever the
+//! file's triangles are. An existing normal map of the material is rotated with the worn surface (the file's weave continues
 //! over the wrinkles; as in Barré-Brisebois and Hill, "Blending in Detail", 2012).
 //! Without tangents in the file, MikkTSpace's are added, unworn and worn. Vertices stay unchanged.
 
@@ -232,15 +232,12 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<So
     let (mut worn, _) = read_asset(&asset.file, glb, &options, &mut nothing)?;
     keep_worn_pieces(&mut worn);
     let count: usize = worn.worn_pieces().map(|piece| piece.positions.len()).sum();
-    let fits = count == detail.fine.source_point.len()
-        && detail.parent.len() == detail.fine.triangles.len()
-        && detail.worn.displacement.len() == detail.fine.points.len()
-        && detail.coarse.points.len() <= detail.fine.points.len()
-        && detail.parent.iter().all(|&k| (k as usize) < detail.coarse.triangles.len());
+    let fits =
+        count == detail.coarse.source_point.len() && detail.coarse.points.len() <= detail.displacement.len();
     match fits {
         true => Ok(worn),
         false => {
-            let message = "the worn file and the finer garment are not of one mesh";
+            let message = "the worn file and the garment are not of one mesh";
             Err(Error::input(&asset.file, "detail map", message, "use what was made of this file"))
         }
     }

@@ -1,14 +1,14 @@
-//! Paints the fine surface into texture space, triangle by triangle, in the frames of the coarse surface.
+//! Paints the worn surface into texture space, texel by texel, in the frames of the file's worn triangles.
 
 use crate::gltf::detail::input::DetailInput;
 use crate::gltf::detail::material::TextureTransform;
-use crate::gltf::detail::surface::{ShownSurface, unit_or};
+use crate::gltf::detail::surface::ShownSurface;
 use crate::gltf::detail::texels::{TexelSample, Texels};
-use crate::gltf::worn_target::{LinearPart, WornShape};
-use crease_geometry::math::{Mat3, Vec2, Vec3};
+use crate::gltf::flat_shading::{FlatNormals, SmoothShape, flat_vertices};
+use crease_geometry::math::{Mat3, Vec3};
 use crease_geometry::mesh::PointIndex;
-use crease_geometry::mesh::distance::barycentric;
 use rustc_hash::FxHashMap;
+use std::cell::Cell;
 
 /// Corners of a coarse triangle.
 #[derive(Debug, Clone, Copy)]
@@ -23,11 +23,12 @@ pub(super) struct SurfaceCorners {
 pub(super) struct Painter<'a> {
     detail: &'a DetailInput<'a>,
     surfaces: &'a [ShownSurface<'a>],
-    /// Per triangle of the coarse garment: the vertices of its corners.
+    /// Per triangle of the garment: the vertices of its corners.
     pub(super) corners: Vec<Option<SurfaceCorners>>,
-    shape: WornShape<'a>,
-    /// Per surface and vertex: whether it is flat-shaded and has smooth normals after the wear.
-    flat: Vec<Vec<bool>>,
+    /// Per triangle of the garment: a triangle of the worn surface from which its places are searched.
+    starts: Vec<Option<u32>>,
+    /// Per surface and vertex: unit normal before the wear, smooth where the vertex is flat-shaded and has a smooth one after it.
+    unworn: Vec<Vec<Vec3>>,
 }
 
 impl<'a> Painter<'a> {
@@ -54,55 +55,79 @@ impl<'a> Painter<'a> {
             }
             Some(SurfaceCorners { surface: s, vertices: corners })
         });
-        let shape = WornShape::new(detail.fine, detail.worn, detail.flat_normals);
-        // The corners of the file's triangles are points of the fine garment, too.
-        let flat = |s: &ShownSurface| shape.flat_vertices(s.points, &s.unworn, &s.piece.triangles);
-        let flat = surfaces.iter().map(flat).collect();
-        Self { detail, surfaces, corners: corners.collect(), shape, flat }
+        let unworn = surfaces.iter().map(|surface| unworn_normals(detail, surface)).collect();
+        Self {
+            detail,
+            surfaces,
+            corners: corners.collect(),
+            starts: detail.surface.starts(detail.coarse),
+            unworn,
+        }
     }
 
     /// Paints one map of the surfaces with the indices `painted`, whose texture coordinates `transform` takes to the map.
     pub(super) fn paint(&self, painted: &[usize], transform: TextureTransform, side: usize) -> Texels {
         let mut texels = Texels::new(side);
-        let DetailInput { coarse, fine, parent, worn, .. } = *self.detail;
-        for (triangle, &k) in fine.triangles.iter().zip(parent) {
-            let Some(SurfaceCorners { surface, vertices }) = self.corners[k as usize] else { continue };
-            if !painted.contains(&surface) {
-                continue;
+        for (k, corners) in self.corners.iter().enumerate() {
+            match corners {
+                Some(corners) if painted.contains(&corners.surface) => {
+                    self.paint_triangle(k, corners, transform, &mut texels);
+                }
+                _ => {}
             }
-            let is_flat = vertices.iter().all(|&v| self.flat[surface][v]);
-            let surface = &self.surfaces[surface];
-            let corners = coarse.triangles[k as usize].map(|p| coarse.points[p.at()]);
-            let weights = triangle.map(|p| barycentric(&fine.points[p.at()], &corners));
-            let mix = |weights: &[f64; 3], of: &dyn Fn(usize) -> Vec3| -> Vec3 {
-                weights.iter().zip(vertices).map(|(w, v)| of(v) * *w).sum()
-            };
-            let normals: [Vec3; 3] = std::array::from_fn(|i| {
-                let base = unit_or(mix(&weights[i], &|v| surface.unworn[v]), Vec3::z());
-                let smooth = is_flat.then(|| self.shape.smooth_normal(triangle[i], base)).flatten();
-                let rotated = || self.shape.worn_normal(triangle[i], base, LinearPart::identity());
-                smooth.or_else(rotated).unwrap_or(base)
-            });
-            let position = |p: PointIndex, points: &[Vec3]| points[p.at()] + worn.displacement[p.at()];
-            let above = triangle.map(|p| position(p, &fine.points));
-            let below = coarse.triangles[k as usize].map(|p| position(p, &coarse.points));
-            let uv = |w: &[f64; 3]| w.iter().zip(vertices).map(|(w, v)| surface.uvs[v] * *w).sum::<Vec2>();
-            let uvs = weights.each_ref().map(|w| transform.apply(uv(w)));
-            texels.fill(uvs, &|b| {
-                let blend = |of: &[Vec3; 3]| of[0] * b[0] + of[1] * b[1] + of[2] * b[2];
-                let on_parent: [f64; 3] = std::array::from_fn(|j| (0..3).map(|i| b[i] * weights[i][j]).sum());
-                let n = mix(&on_parent, &|v| surface.worn[v].normal).try_normalize(1e-9)?;
-                let t = mix(&on_parent, &|v| surface.worn[v].tangent.direction).try_normalize(1e-9)?;
-                let bitangent = n.cross(&t) * surface.worn[vertices[0]].tangent.handedness;
-                let frame = Mat3::from_columns(&[t, bitangent, n]);
-                let direction =
-                    (frame.try_inverse()? * blend(&normals).try_normalize(1e-9)?).try_normalize(1e-9)?;
-                let on_coarse: Vec3 = below.iter().zip(on_parent).map(|(x, s)| x * s).sum();
-                // A map cannot point below its surface.
-                (direction.z > 0.0)
-                    .then(|| TexelSample { direction, height_m: n.dot(&(blend(&above) - on_coarse)) })
-            });
         }
         texels
     }
+
+    /// Paints triangle `k` of the garment with the vertices `corners`.
+    fn paint_triangle(
+        &self,
+        k: usize,
+        corners: &SurfaceCorners,
+        transform: TextureTransform,
+        texels: &mut Texels,
+    ) {
+        let DetailInput { coarse, displacement, surface: worn, .. } = *self.detail;
+        let (surface, unworn) = (&self.surfaces[corners.surface], &self.unworn[corners.surface]);
+        let vertices = corners.vertices;
+        let before = coarse.triangles[k].map(|p| coarse.points[p.at()]);
+        let after = coarse.triangles[k].map(|p| coarse.points[p.at()] + displacement[p.at()]);
+        let blend = |of: &[Vec3; 3], b: &[f64; 3]| of[0] * b[0] + of[1] * b[1] + of[2] * b[2];
+        let own = vertices.map(|v| unworn[v]);
+        let normals = vertices.map(|v| surface.worn[v].normal);
+        let tangents = vertices.map(|v| surface.worn[v].tangent.direction);
+        let handedness = surface.worn[vertices[0]].tangent.handedness;
+        // The search for a texel begins where that for the last one ended.
+        let Some(start) = self.starts[k] else { return };
+        let last = Cell::new(start);
+        texels.fill(vertices.map(|v| transform.apply(surface.uvs[v])), &|b| {
+            let place = worn.at(last.get(), &blend(&before, &b));
+            last.set(place.face);
+            let n = blend(&normals, &b).try_normalize(1e-9)?;
+            let t = blend(&tangents, &b).try_normalize(1e-9)?;
+            let frame = Mat3::from_columns(&[t, n.cross(&t) * handedness, n]);
+            let shown = (place.turn * blend(&own, &b)).try_normalize(1e-9)?;
+            let direction = (frame.try_inverse()? * shown).try_normalize(1e-9)?;
+            // A map cannot point below its surface.
+            (direction.z > 0.0)
+                .then(|| TexelSample { direction, height_m: n.dot(&(place.position - blend(&after, &b))) })
+        });
+    }
+}
+
+/// Unit normals before the wear that the wear turns into those shown after it, one per vertex of `surface`: those of the file, but smooth
+/// ones where the worn file has smooth ones in place of flat-shaded ones.
+fn unworn_normals(detail: &DetailInput, surface: &ShownSurface) -> Vec<Vec3> {
+    if detail.flat_normals != FlatNormals::Smoothed {
+        return surface.unworn.clone();
+    }
+    let DetailInput { coarse, displacement, .. } = detail;
+    let smooth = SmoothShape::new(&coarse.points, &coarse.points, &coarse.triangles);
+    let flat = flat_vertices(coarse, surface.points, &surface.unworn, &surface.piece.triangles);
+    let normal = |(v, own): (usize, &Vec3)| {
+        let p = surface.points[v];
+        let is_smoothed = flat[v] && displacement[p.at()] != Vec3::zeros();
+        is_smoothed.then(|| smooth.normal(p, *own)).flatten().unwrap_or(*own)
+    };
+    surface.unworn.iter().enumerate().map(normal).collect()
 }

@@ -53,7 +53,7 @@ pub(super) fn surfaces<'a>(
     notes: &mut Vec<String>,
 ) -> Result<Vec<ShownSurface<'a>>> {
     let mut surfaces = Vec::new();
-    let mut rest = &detail.fine.source_point[..];
+    let mut rest = &detail.coarse.source_point[..];
     for piece in worn.worn_pieces() {
         let (points, after) = rest.split_at(piece.positions.len());
         rest = after;

@@ -7,6 +7,7 @@ use crease_geometry::math::Vec2;
 use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::distance::barycentric;
 use crease_model::garment::{Garment, RestState, WornGarment};
+use crease_model::remesh::{GarmentSurface, WornSurface};
 use rustc_hash::FxHashMap;
 use serde_json::json;
 use std::fmt::Write;
@@ -84,6 +85,7 @@ struct RippledSheet {
     fine: Garment,
     parent: Vec<u32>,
     worn: WornGarment,
+    surface: WornSurface,
 }
 
 impl RippledSheet {
@@ -93,15 +95,16 @@ impl RippledSheet {
         let (fine, parent) = finer(&coarse, 5);
         let displacement = fine.points.iter().map(|x| Vec3::y() * height(x)).collect();
         let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
-        Self { asset, coarse, worn: WornGarment { displacement, memory }, fine, parent }
+        let worn = WornGarment { displacement, memory };
+        let surface = WornSurface::new(&GarmentSurface::without_texture(&fine), &worn, 2e-3);
+        Self { asset, coarse, worn, fine, parent, surface }
     }
 
     fn detail(&self) -> DetailInput<'_> {
         DetailInput {
             coarse: &self.coarse,
-            fine: &self.fine,
-            parent: &self.parent,
-            worn: &self.worn,
+            displacement: &self.worn.displacement,
+            surface: &self.surface,
             flat_normals: FlatNormals::default(),
         }
     }
@@ -206,14 +209,14 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
     let asset = read_asset("first.glb", &first.glb, &options, &mut alone).unwrap().0;
     let flat = RippledSheet::new(&|_| 0.0);
     let coarse = Garment::from_asset(&asset).unwrap().0;
-    let (fine, parent) = finer(&coarse, 5);
+    let (fine, _) = finer(&coarse, 5);
     let memory = RestState::flat(fine.topology.hinges.len(), fine.triangles.len());
     let worn = WornGarment { displacement: vec![Vec3::zeros(); fine.points.len()], memory };
+    let surface = WornSurface::new(&GarmentSurface::without_texture(&fine), &worn, 2e-3);
     let detail = DetailInput {
         coarse: &coarse,
-        fine: &fine,
-        parent: &parent,
-        worn: &worn,
+        displacement: &worn.displacement,
+        surface: &surface,
         flat_normals: FlatNormals::default(),
     };
     // Worn again, so that the worn target is that of the flat sheet.
@@ -236,8 +239,92 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
 fn parts_that_do_not_belong_together_are_rejected() {
     let scene = RippledSheet::new(&ripple);
     let glb = scene.worn_glb();
-    let short = DetailInput { parent: &scene.parent[1..], ..scene.detail() };
+    let short = DetailInput { displacement: &scene.worn.displacement[..3], ..scene.detail() };
     assert!(add_detail_map(&glb, &scene.asset, &short, 1024, MapDepth::Sixteen).is_err());
     assert!(add_detail_map(&glb, &scene.asset, &scene.detail(), 7, MapDepth::Sixteen).is_err());
     assert!(add_detail_map(b"no glTF", &scene.asset, &scene.detail(), 1024, MapDepth::Sixteen).is_err());
+}
+
+/// A sheet with edges of some 20 mm, one of them along the line through the middle at `angle` [rad], bent there by 90 degrees.
+fn creased_sheet(angle: f64) -> (SourceAsset, Garment, WornGarment, WornSurface) {
+    let asset = sheet();
+    let coarse = Garment::from_asset(&asset).unwrap().0;
+    let (centre, along) = (Vec3::new(0.5 * SIDE, 0.0, 0.5 * SIDE), Vec3::new(angle.cos(), 0.0, angle.sin()));
+    let across = Vec3::new(-angle.sin(), 0.0, angle.cos());
+    let rows: Vec<f64> = vec![-0.25, -0.13, -0.06, -0.02, 0.0, 0.02, 0.06, 0.13, 0.25];
+    let columns = 26;
+    let mut points = Vec::new();
+    for row in &rows {
+        points.extend((0..columns).map(|i| centre + along * (0.02 * i as f64 - 0.25) + across * *row));
+    }
+    let mut triangles = Vec::new();
+    for j in 0..rows.len() as u32 - 1 {
+        for i in 0..columns - 1 {
+            let [a, b] = [j * columns + i, (j + 1) * columns + i];
+            triangles.push([a, b, a + 1]);
+            triangles.push([a + 1, b, b + 1]);
+        }
+    }
+    let mesh = GarmentSurface::without_texture(&Garment::of_triangles(points, &triangles));
+    // Both halves rise by 45 degrees from the line.
+    let rise = |x: &Vec3| {
+        let level = (x - centre).dot(&across);
+        across * (0.5f64.sqrt() * level - level) + Vec3::y() * (0.5f64.sqrt() * level.abs())
+    };
+    let mut memory = RestState::flat(mesh.topology.hinges.len(), mesh.triangles.len());
+    for (h, hinge) in mesh.topology.hinges.iter().enumerate() {
+        let on_line = |p: &PointIndex| (mesh.points[p.at()] - centre).dot(&across).abs() < 1e-9;
+        memory.rest_angle[h] = if hinge.points[..2].iter().all(on_line) { 1.5 } else { 0.0 };
+    }
+    let worn = WornGarment { displacement: mesh.points.iter().map(rise).collect(), memory };
+    let surface = WornSurface::new(&mesh, &worn, 2e-3);
+    let hinges = coarse.topology.hinges.len();
+    let memory = RestState::flat(hinges, coarse.triangles.len());
+    let shown = WornGarment { displacement: vec![Vec3::zeros(); coarse.points.len()], memory };
+    (asset, coarse, shown, surface)
+}
+
+#[test]
+fn a_crease_comes_out_of_the_map_with_its_angle_and_width_on_its_line() {
+    for degrees in [0.0f64, 7.0, 17.0, 28.0, 163.0] {
+        let angle = degrees.to_radians();
+        let (asset, coarse, shown, surface) = creased_sheet(angle);
+        let detail = DetailInput {
+            coarse: &coarse,
+            displacement: &shown.displacement,
+            surface: &surface,
+            flat_normals: FlatNormals::default(),
+        };
+        let extras = json!({"crease": {"sidecar": "x"}});
+        let glb = write_worn_glb(&asset, &coarse, &shown, &extras).unwrap();
+        let detailed = add_detail_map(&glb, &asset, &detail, 2048, MapDepth::Sixteen).unwrap();
+        let map = Texels::from_png(&detailed.maps[0].normal_png).unwrap();
+        // In the left island u is x and v is -z, and the tangent and bitangent of the flat sheet are x and z or its opposite.
+        let tilt = |level: f64, part: f64| {
+            let x = Vec3::new(0.09, 0.0, 0.15) + Vec3::new(-angle.sin(), 0.0, angle.cos()) * level;
+            let x = x + Vec3::new(angle.cos(), 0.0, angle.sin()) * part;
+            let uv = Vec2::new(0.05 + 0.45 * x.x / SIDE, 0.5 - 0.45 * x.z / SIDE);
+            let d = map.sample(uv);
+            (d.x.hypot(d.y)).atan2(d.z).to_degrees()
+        };
+        // The line runs through the middle of the sheet: seen from here, this much farther off.
+        let shift = (Vec3::new(0.5 * SIDE, 0.0, 0.5 * SIDE) - Vec3::new(0.09, 0.0, 0.15)).dot(&Vec3::new(
+            -angle.sin(),
+            0.0,
+            angle.cos(),
+        ));
+        if shift.abs() > 0.03 {
+            continue;
+        }
+        for part in [-0.02, -0.011, 0.0, 0.007, 0.02] {
+            let total = tilt(shift - 0.004, part) + tilt(shift + 0.004, part);
+            assert!((total - 90.0).abs() < 2.0, "{degrees}: {total} degrees");
+            let steps: Vec<f64> = (-400..=400).map(|k| 1e-5 * f64::from(k)).collect();
+            let bent: Vec<f64> =
+                steps.iter().copied().filter(|level| tilt(shift + level, part) < 43.0).collect();
+            let (low, high) = (bent[0], bent[bent.len() - 1]);
+            assert!((high - low - 0.002).abs() < 0.6e-3, "{degrees}: width {} m", high - low);
+            assert!((0.5 * (low + high)).abs() < 0.3e-3, "{degrees}: beside the line {}", 0.5 * (low + high));
+        }
+    }
 }

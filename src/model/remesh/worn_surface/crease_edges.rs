@@ -1,0 +1,105 @@
+//! Edges of the creases of a simulated mesh: the centre line of each, and the rows beside it, whose angle belongs to the crease.
+
+use crate::remesh::GarmentSurface;
+use crate::remesh::hinge_chains::HingeChain;
+use crate::remesh::tuning::TUNING;
+
+/// Part of an edge in a crease.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Part {
+    None,
+    Centre,
+    Row,
+}
+
+/// Edges of the creases of a mesh.
+pub(super) struct CreaseEdges {
+    /// Per hinge.
+    part: Vec<Part>,
+    /// Per triangle: whether it lies between a centre line and a row beside it.
+    pub strip: Vec<bool>,
+}
+
+impl CreaseEdges {
+    /// Finds the creases of `mesh` among its hinges, whose rest angles changed by `changes` [rad].
+    pub fn find(mesh: &GarmentSurface, changes: &[f64]) -> Self {
+        let strong = |h: usize| changes[h].abs() >= TUNING.min_crease_angle;
+        let mut chains = HingeChain::all(&mesh.points, &mesh.topology, strong, TUNING.min_crease_cosine);
+        chains.retain(|chain| chain.length >= TUNING.min_crease_length);
+        let weight = |chain: &HingeChain| -> f64 {
+            let each = chain.edges().map(|(ends, h)| {
+                let [a, b] = [ends[0], ends[1]].map(|p| mesh.points[p as usize]);
+                (a - b).norm() * changes[*h as usize].abs()
+            });
+            each.sum()
+        };
+        let mut ranked: Vec<(f64, HingeChain)> = chains.into_iter().map(|c| (weight(&c), c)).collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.points.cmp(&b.1.points)));
+        let mut part = vec![Part::None; changes.len()];
+        // Per point: the centre edges at it.
+        let mut centre_at: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
+        for (_, chain) in &ranked {
+            let beside: Vec<bool> = chain.hinges.iter().map(|h| is_row(mesh, &centre_at, *h)).collect();
+            let rows = beside.iter().filter(|beside| **beside).count();
+            let all_rows = 2 * rows > beside.len();
+            for (h, beside) in chain.hinges.iter().zip(beside) {
+                part[*h as usize] = if beside || all_rows { Part::Row } else { Part::Centre };
+            }
+            for h in chain.hinges.iter().filter(|h| part[**h as usize] == Part::Centre) {
+                let ends = &mesh.topology.hinges[*h as usize].points[..2];
+                ends.iter().for_each(|p| centre_at[p.at()].push(*h));
+            }
+        }
+        let strip = strip_triangles(mesh, &part);
+        Self { part, strip }
+    }
+
+    /// Whether hinge `h` is on a centre line.
+    pub fn is_centre(&self, h: usize) -> bool {
+        self.part[h] == Part::Centre
+    }
+
+    /// The hinges on centre lines.
+    pub fn centre_hinges(&self) -> impl Iterator<Item = usize> {
+        (0..self.part.len()).filter(|h| self.is_centre(*h))
+    }
+}
+
+/// Whether hinge `h` runs beside a centre edge: a triangle at it touches one about parallel to it that does not go on from it.
+fn is_row(mesh: &GarmentSurface, centre_at: &[Vec<u32>], h: u32) -> bool {
+    let hinge = &mesh.topology.hinges[h as usize];
+    let direction = |h: u32| {
+        let [a, b, ..] = mesh.topology.hinges[h as usize].points.map(|p| mesh.points[p.at()]);
+        (b - a).try_normalize(0.0)
+    };
+    let Some(own) = direction(h) else { return false };
+    let [a, b, c, d] = hinge.points;
+    let reach = |p| {
+        let [x, y, z] = [a, b, p].map(|p| mesh.points[p.at()]);
+        (y - x).cross(&(z - x)).norm() / (y - x).norm()
+    };
+    [c, d].into_iter().any(|p| {
+        let parallel = |g: &u32| direction(*g).is_some_and(|g| g.dot(&own).abs() > TUNING.min_row_cosine);
+        reach(p) < TUNING.max_row_distance && centre_at[p.at()].iter().any(parallel)
+    })
+}
+
+/// Triangles between a centre line and a row beside it.
+fn strip_triangles(mesh: &GarmentSurface, part: &[Part]) -> Vec<bool> {
+    let mut on = vec![[false; 2]; mesh.points.len()];
+    for (hinge, part) in mesh.topology.hinges.iter().zip(part) {
+        let k = match part {
+            Part::None => continue,
+            Part::Centre => 0,
+            Part::Row => 1,
+        };
+        hinge.points[..2].iter().for_each(|p| on[p.at()][k] = true);
+    }
+    let between = |t: &[crease_geometry::mesh::PointIndex; 3]| {
+        let on = t.map(|p| on[p.at()]);
+        on.iter().all(|[centre, row]| *centre || *row)
+            && on.iter().any(|[centre, _]| *centre)
+            && on.iter().any(|[centre, row]| *row && !*centre)
+    };
+    mesh.triangles.iter().map(between).collect()
+}
