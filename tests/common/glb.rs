@@ -9,6 +9,7 @@ use crease_io::gltf::{
     DetailInput, DetailOutput, FlatNormals, MapDepth, add_detail_map, join_glb, write_worn_glb,
 };
 use crease_model::garment::{RestState, WornGarment};
+use crease_model::remesh::{GarmentSurface, WornSurface};
 use serde_json::{Value, json};
 
 /// One primitive.
@@ -168,13 +169,13 @@ pub fn detail_map(bytes: &[u8], height: impl Fn(&Vec3) -> f64, side: usize) -> (
         displacement: garment.points.iter().map(|p| Vec3::new(0.0, 0.0, height(p))).collect(),
         memory: RestState::flat(garment.topology.hinges.len(), garment.triangles.len()),
     };
-    let glb = write_worn_glb(&own.asset, &own.garment, &worn(&own.garment), &Value::Null).expect("writes");
-    let fine = worn(&refined.garment);
+    let coarse = worn(&own.garment);
+    let glb = write_worn_glb(&own.asset, &own.garment, &coarse, &Value::Null).expect("writes");
+    let mesh = GarmentSurface::without_texture(&refined.garment);
     let input = DetailInput {
         coarse: &own.garment,
-        fine: &refined.garment,
-        parent: &refined.parent,
-        worn: &fine,
+        displacement: &coarse.displacement,
+        surface: &WornSurface::new(&mesh, &worn(&refined.garment), 2e-3),
         flat_normals: FlatNormals::default(),
     };
     let output = add_detail_map(&glb, &own.asset, &input, side, MapDepth::Eight).expect("is made");
