@@ -1,7 +1,7 @@
 //! Welding: joins vertices that a file keeps apart (at texture borders, hard edges, between pieces) into points.
 //!
 //! Vertices join only if they coincide *and* either both lie on an open edge, as both sides of a seam do, or end the
-//! same edge, which then has no length. So two layers that touch or lie on each other stay two layers: a vertex
+//! same edge, which then has no length; on request also the nearest vertices of borders that are apart. So two layers that touch or lie on each other stay two layers: a vertex
 //! in the middle of a layer, closed all around, is never joined to another layer's, unless the file itself gives it the
 //! position of a vertex on an open edge. What else belongs together
 //! (copies of a triangle) the caller joins. Only positions count, not texture or material.
@@ -9,6 +9,8 @@
 use crate::math::Vec3;
 use crate::mesh::PointIndex;
 use rustc_hash::{FxHashMap, FxHashSet};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 /// Vertices to be joined into points.
 #[derive(Debug, Clone)]
@@ -70,6 +72,39 @@ impl Welder {
         }
     }
 
+    /// Sews borders: joins vertices of `triangles` on open edges up to `distance` \[m\] apart, the nearest first. Vertices that the mesh
+    /// connects within twice the distance stay apart, so that no edge loses its length and no border is gathered.
+    pub fn join_borders(&mut self, positions: &[Vec3], triangles: &[[u32; 3]], distance: f64) {
+        let mut joined: Vec<[u32; 3]> =
+            triangles.iter().map(|corners| corners.map(|v| self.groups.find(v))).collect();
+        joined.retain(|[a, b, c]| a != b && b != c && c != a);
+        let open = open_vertices(&joined);
+        let mesh = EdgeGraph::new(positions, &joined);
+        let local: Vec<FxHashSet<u32>> = open
+            .iter()
+            .map(|&vertex| {
+                let near = mesh.within(vertex, PATH_OVER_DISTANCE * distance);
+                open.iter().copied().filter(|other| near.contains(other)).collect()
+            })
+            .collect();
+        let is_local = |a: usize, b: u32| local.get(a).is_some_and(|near| near.contains(&b));
+        let mut members: Vec<Vec<usize>> = (0..open.len()).map(|k| vec![k]).collect();
+        let mut group: Vec<usize> = (0..open.len()).collect();
+        for (a, b) in pairs_within(positions, &open, distance) {
+            let (a_group, b_group) = (group[a], group[b]);
+            let is_kept_apart = members[a_group]
+                .iter()
+                .any(|&one| members[b_group].iter().any(|&other| is_local(one, open[other])));
+            if a_group == b_group || is_kept_apart {
+                continue;
+            }
+            self.groups.join(open[a], open[b]);
+            let moved = std::mem::take(&mut members[b_group]);
+            moved.iter().for_each(|&member| group[member] = a_group);
+            members[a_group].extend(moved);
+        }
+    }
+
     /// Returns the point of each vertex, points counted in order of their first vertex, and the number of points.
     pub fn points(&mut self) -> (Vec<PointIndex>, usize) {
         self.groups.numbered()
@@ -127,6 +162,71 @@ impl Groups {
         }
         (numbers, count as usize)
     }
+}
+
+/// Path along the edges within which two vertices on a border are neighbours, over the distance of sewing \[-\].
+const PATH_OVER_DISTANCE: f64 = 2.0;
+
+/// Nearest vertices of a border, at most, that one of its vertices may be sewn to: bounds the pairs at a large distance.
+const MAX_SEWN_NEIGHBOURS: usize = 64;
+
+/// Edges of a mesh with their lengths \[m\], by their ends.
+struct EdgeGraph {
+    neighbours: FxHashMap<u32, Vec<(u32, f64)>>,
+}
+
+impl EdgeGraph {
+    fn new(positions: &[Vec3], triangles: &[[u32; 3]]) -> Self {
+        let at = |v: u32| positions.get(v as usize).copied().unwrap_or_default();
+        let mut neighbours: FxHashMap<u32, Vec<(u32, f64)>> = FxHashMap::default();
+        for &[a, b, c] in triangles {
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                let length = (at(from) - at(to)).norm();
+                neighbours.entry(from).or_default().push((to, length));
+                neighbours.entry(to).or_default().push((from, length));
+            }
+        }
+        Self { neighbours }
+    }
+
+    /// Returns the vertices that a path of at most `length` \[m\] along the edges connects with `start`.
+    fn within(&self, start: u32, length: f64) -> FxHashSet<u32> {
+        // Lengths of at least 0 have the order of their bits.
+        let mut front = BinaryHeap::from([Reverse((0_u64, start))]);
+        let mut reached: FxHashSet<u32> = FxHashSet::default();
+        while let Some(Reverse((so_far, vertex))) = front.pop() {
+            if !reached.insert(vertex) {
+                continue;
+            }
+            for &(next, edge) in self.neighbours.get(&vertex).map_or(&[][..], Vec::as_slice) {
+                let path = f64::from_bits(so_far) + edge;
+                if path <= length && !reached.contains(&next) {
+                    front.push(Reverse((path.to_bits(), next)));
+                }
+            }
+        }
+        reached
+    }
+}
+
+/// Returns the pairs of entries of `vertices` up to `distance` \[m\] apart, the nearest first.
+fn pairs_within(positions: &[Vec3], vertices: &[u32], distance: f64) -> Vec<(usize, usize)> {
+    let at = |k: usize| positions.get(vertices[k] as usize).copied().unwrap_or_default();
+    let mut along_x: Vec<usize> = (0..vertices.len()).collect();
+    along_x.sort_by(|&a, &b| at(a).x.total_cmp(&at(b).x).then(a.cmp(&b)));
+    let mut pairs: Vec<(f64, usize, usize)> = Vec::new();
+    for (rank, &a) in along_x.iter().enumerate() {
+        let near = along_x[rank + 1..].iter().take_while(|&&b| at(b).x - at(a).x <= distance);
+        let mut of_one: Vec<(f64, usize, usize)> = near
+            .map(|&b| ((at(a) - at(b)).norm(), a.min(b), a.max(b)))
+            .filter(|pair| pair.0 <= distance)
+            .collect();
+        of_one.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+        of_one.truncate(MAX_SEWN_NEIGHBOURS);
+        pairs.extend(of_one);
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    pairs.into_iter().map(|(_, a, b)| (a, b)).collect()
 }
 
 /// Width of the cells in which coinciding vertices are looked for, over the tolerance \[-\]. Of cells this wide one or two along each
@@ -243,6 +343,48 @@ mod tests {
         let positions = [Vec3::zeros(), Vec3::x(), Vec3::x() * (1.0 + 1e-7), Vec3::y()];
         let points = weld(&positions, &[[0, 1, 3], [1, 2, 3], [0, 2, 1], [0, 3, 2]]);
         assert_eq!(points, [0, 1, 1, 2]);
+    }
+
+    /// `cells` x `cells` squares of `edge` [m] from `x` on.
+    fn sheet(cells: u32, edge: f64, x: f64) -> (Vec<Vec3>, Vec<[u32; 3]>) {
+        let row = cells + 1;
+        let at = |k: u32| Vec3::new(x + edge * f64::from(k % row), edge * f64::from(k / row), 0.0);
+        let squares = (0..row * cells).filter(|k| k % row < cells);
+        let halves = squares.flat_map(|k| [[k, k + 1, k + row], [k + 1, k + row + 1, k + row]]);
+        ((0..row * row).map(at).collect(), halves.collect())
+    }
+
+    fn sew(positions: &[Vec3], triangles: &[[u32; 3]], distance: f64) -> (Vec<PointIndex>, usize) {
+        let mut welder = Welder::new(positions, 1e-6);
+        welder.join_open_edges(triangles);
+        welder.join_short_edges(triangles);
+        welder.join_borders(positions, triangles, distance);
+        welder.points()
+    }
+
+    #[test]
+    fn sewing_collapses_no_edge_however_short() {
+        for distance in [0.001, 0.004, 0.05] {
+            let (positions, triangles) = sheet(16, 0.003, 0.0);
+            assert_eq!(sew(&positions, &triangles, distance).1, positions.len(), "{distance}");
+        }
+    }
+
+    /// Two sheets with edges of 3 mm and a gap of 1 mm; then a strip of three, the ends of which lie on each other's height.
+    #[test]
+    fn borders_apart_are_sewn_vertex_by_vertex() {
+        for distance in [0.0015, 0.004, 0.007] {
+            let (mut positions, mut triangles) = sheet(16, 0.003, 0.0);
+            let first = positions.len() as u32;
+            let (more, others) = sheet(16, 0.003, 0.049);
+            positions.extend(more);
+            triangles.extend(others.into_iter().map(|corners| corners.map(|v| v + first)));
+            let (points, count) = sew(&positions, &triangles, distance);
+            assert_eq!(count, positions.len() - 17, "{distance}");
+            for row in 0..17 {
+                assert_eq!(points[17 * row + 16], points[first as usize + 17 * row], "{distance}: {row}");
+            }
+        }
     }
 
     #[test]

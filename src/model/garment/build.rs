@@ -33,12 +33,17 @@ impl Garment {
     ) -> Result<(Self, Vec<ImportDiagnostic>)> {
         let sheet = SourceSheet::gather(asset)?;
         let mut diagnostics = ImportDiagnostics::default();
-        let weld = weld.unwrap_or_else(|| sheet.weld_distance());
-        let mut welder = Welder::new(&sheet.positions, weld);
+        let rounding = sheet.weld_distance();
+        let sewn = weld.filter(|&weld| weld > rounding);
+        let weld = weld.unwrap_or(rounding);
+        let mut welder = Welder::new(&sheet.positions, weld.min(rounding));
         let kept = remove_duplicates(&sheet.triangles, &sheet.uvs, &mut welder, &mut diagnostics);
         welder.join_open_edges(&kept);
         welder.join_seams(&kept, &sheet.position_ids);
         welder.join_short_edges(&kept);
+        if let Some(distance) = sewn {
+            welder.join_borders(&sheet.positions, &kept, distance);
+        }
         let (vertex_point, welded_count) = welder.points();
         let mut wedges = drop_collapsed(&kept, &vertex_point, &mut diagnostics);
         let positions = first_positions(&vertex_point, welded_count, &sheet.positions);
