@@ -1,6 +1,7 @@
 //! Whole files and the standard input, with error messages that help.
 
 use crease_model::error::{Error, Result};
+use crease_model::json::kind_of_mesh;
 use std::fs::{File, FileType};
 use std::io::{ErrorKind, Read};
 use std::path::Path;
@@ -144,6 +145,10 @@ pub fn read_text(path: &Path) -> Result<String> {
     let bytes = read_bytes(path)?;
     refuse_gzip(path, &bytes)?;
     String::from_utf8(bytes).map_err(|broken| {
+        if let Some(kind) = kind_of_mesh(broken.as_bytes()) {
+            let help = "give the mesh as the garment, and a text file here";
+            return Error::input(file_name(path), "", format!("is {kind}, not text"), help);
+        }
         let at = broken.utf8_error().valid_up_to();
         let before = broken.as_bytes().get(..at).unwrap_or_default();
         let line = before.iter().filter(|byte| **byte == b'\n').count() + 1;

@@ -17,6 +17,7 @@ use crease_model::garment::{
     ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range,
     is_plausible_unit,
 };
+use crease_model::json::kind_of_file;
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 
@@ -101,7 +102,8 @@ pub fn read_asset_with(
     let masks = [&options.mask, &options.sewing_mask].map(|name| name.as_deref());
     let mut read = match format {
         SourceFormat::Obj | SourceFormat::Arrays => obj::read_obj(file_name, bytes, &to_scene, masks)?,
-        SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, masks, resolve)?,
+        SourceFormat::Gltf => gltf::read_gltf(file_name, bytes, &to_scene, masks, resolve)
+            .map_err(|error| no_mesh(file_name, bytes).unwrap_or(error))?,
         #[cfg(feature = "usd")]
         SourceFormat::Usd => {
             let whole = &mut |name: &str| resolve(name, None);
@@ -149,6 +151,18 @@ pub fn read_asset_with(
     }
     read.diagnostics.extend(gltf::earlier_wear_note(&asset));
     Ok((asset, read.diagnostics))
+}
+
+/// Returns the error of a file that is another of this crate's formats and no mesh.
+fn no_mesh(file_name: &str, bytes: &[u8]) -> Option<Error> {
+    let kind = kind_of_file(bytes).filter(|kind| !kind.ends_with(" mesh"))?;
+    let help = match kind {
+        "the sidecar of a worn garment" | "the report of a run" => {
+            "give the worn mesh that was written beside it"
+        }
+        _ => "give the mesh file here",
+    };
+    Some(Error::input(file_name, "", format!("is {kind}, not a mesh"), help))
 }
 
 /// Detects the format by the content, then by the name; anything else is tried as OBJ, the only format without a signature.

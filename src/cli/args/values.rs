@@ -3,6 +3,7 @@
 use crate::files::input::STANDARD_STREAM;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use crease_io::unit_length;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 /// A value of an option: its name with hidden aliases after it, `|` between them; what it stands for; and its help, if any.
@@ -32,6 +33,12 @@ pub fn unit(text: &str) -> Result<Metres, String> {
     unit_length(text)
         .map(Metres)
         .ok_or("expected m, dm, cm, mm, in, or a number of metres above 0".to_owned())
+}
+
+/// Parses a number of threads or jobs, of at least 1.
+pub fn count(text: &str) -> Result<NonZeroUsize, String> {
+    text.parse()
+        .map_err(|_| "expected a whole number of at least 1; leave the option out for the default".to_owned())
 }
 
 /// Parses a finite number above 0.

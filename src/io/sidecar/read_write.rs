@@ -2,8 +2,9 @@
 
 use crate::sidecar::format::{SIDECAR_FORMAT, Sidecar};
 use crate::sidecar::gzip::decompress;
-use crate::sidecar::validate::{REWRITE_HELP, wrong_format};
+use crate::sidecar::validate::{REWRITE_HELP, sidecar_help, wrong_format};
 use crease_model::error::{Error, Result};
+use crease_model::json::kind_of_file;
 use serde::Deserialize;
 use std::io::Write;
 
@@ -39,7 +40,10 @@ pub fn read_sidecar(file: &str, bytes: &[u8]) -> Result<Sidecar> {
     let sidecar: Sidecar = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         // Another version, or another kind of file, is the better explanation of a missing field.
         stated_format(bytes).filter(|format| format != SIDECAR_FORMAT).map_or_else(
-            || unreadable(file, &error.path().to_string(), error.inner()),
+            || match kind_of_file(bytes) {
+                Some(kind) => Error::input(file, "", format!("is {kind}, not a sidecar"), sidecar_help()),
+                None => unreadable(file, &error.path().to_string(), error.inner()),
+            },
             |format| Error::Input(vec![wrong_format(file, &format)]),
         )
     })?;

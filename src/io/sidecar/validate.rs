@@ -83,9 +83,14 @@ pub(super) fn wrong_format(file: &str, format: &str) -> Diagnostic {
     let help = if format.starts_with("crease-sidecar/") {
         "use the version of crease that wrote it".into()
     } else {
-        Message::from("give the OUT.crease.json that `") + Operation::Bake + "` wrote beside OUT.glb"
+        sidecar_help()
     };
     Diagnostic::new(file, "format", format!("is {format:?}, not {SIDECAR_FORMAT:?}"), help)
+}
+
+/// Cure of another file in the place of a sidecar.
+pub(super) fn sidecar_help() -> Message {
+    Message::from("give the OUT.crease.json that `") + Operation::Bake + "` wrote beside OUT.glb"
 }
 
 /// Collector of errors; each list is reported once, at its first bad entry.

@@ -2,6 +2,7 @@
 
 use crate::error::{Diagnostic, Error, Message, Result};
 use crate::json::comments::blank_comments;
+use crate::json::kind_of_mesh;
 use crate::json::spans::{Path, Spans, error_position};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -23,12 +24,18 @@ pub struct Document {
 /// Member of the whole value by which editors find the schema; allowed in every file.
 const SCHEMA_KEY: &str = "$schema";
 
+/// Cure of a mesh in the place of JSON.
+const MESH_HELP: &str = "give the mesh as the garment, and a JSON file here";
+
 impl Document {
     /// Parses `text` of `file` (a name for messages only). Fails on invalid syntax and on duplicate keys.
     pub fn parse(file: &str, text: &str) -> Result<Self> {
         let written = text.strip_prefix('\u{feff}').unwrap_or(text);
         let text = &blank_comments(written);
         let mut value: Value = serde_json::from_str(text).map_err(|e| {
+            if let Some(kind) = kind_of_mesh(written.as_bytes()) {
+                return Error::input(file, "", format!("is {kind}, not JSON"), MESH_HELP);
+            }
             let (line, column) = error_position(text, e.line(), e.column());
             let message = e.to_string();
             let message = message.split(" at line ").next().unwrap_or(&message).to_owned();

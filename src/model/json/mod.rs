@@ -11,12 +11,14 @@
 
 mod comments;
 mod document;
+mod file_kind;
 mod quoted;
 mod schema_check;
 mod spans;
 mod suggest;
 
 pub use document::Document;
+pub use file_kind::{kind_of_file, kind_of_mesh};
 pub use quoted::quoted;
 pub use spans::{Path, Segment};
 pub use suggest::nearest;

@@ -1,5 +1,6 @@
 //! Command-line arguments of `crease batch`.
 
+use crate::args::values::count;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 
@@ -19,13 +20,13 @@ pub struct Arguments {
     #[arg(value_name = "JOBS.json")]
     pub jobs: PathBuf,
     /// Jobs that run at the same time [default: number of cores]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     pub parallel: Option<NonZeroUsize>,
     /// Retries per failed or killed job
     #[arg(long, value_name = "N", default_value_t = 2)]
     pub retries: u32,
     /// Worker threads of each job [default: cores divided by parallel jobs]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = count)]
     pub threads: Option<NonZeroUsize>,
     /// Run only shard I of N: jobs I, I + N, I + 2 N, ..., counted from 0; writes no summary
     #[arg(long, alias = "share", value_name = "I/N", value_parser = shard, conflicts_with_all = ["list", "summary", "slurm", "openjd"])]

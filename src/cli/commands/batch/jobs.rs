@@ -1,6 +1,8 @@
 //! The job file, `crease-batch/1`, and its jobs: garments x wear scripts x fabrics, in that order.
 
+use crate::commands::bake;
 use crate::files::input;
+use clap::Args;
 use crease::internal::files::{ReferenceFolders, referenced_files};
 use crease::internal::wear::WearScript;
 use crease_io::ReadOptions;
@@ -39,7 +41,7 @@ pub struct JobFile {
     /// Mesh files.
     #[schemars(length(min = 1))]
     garments: Vec<String>,
-    /// Wear scripts.
+    /// Wear scripts: files, or names of `crease example`.
     #[schemars(length(min = 1))]
     wear: Vec<String>,
     /// Names of `crease fabric list`, or fabric files. Default: the default fabric of `crease bake`.
@@ -87,7 +89,7 @@ impl JobFile {
         let read: Self = document.decode()?;
         let is_reserved = |a: &&String| RESERVED_ARGUMENTS.iter().any(|own| a.split('=').next() == Some(own));
         let location = JsonPath::root().name("bake");
-        let errors: Vec<Diagnostic> = read
+        let mut errors: Vec<Diagnostic> = read
             .bake
             .iter()
             .filter(is_reserved)
@@ -95,7 +97,36 @@ impl JobFile {
                 document.diagnostic(&location, format!("`{a}` is given by the batch itself"), "leave it out")
             })
             .collect();
+        if let Some((message, help)) = refused_options(&read.bake).filter(|_| errors.is_empty()) {
+            errors.push(document.diagnostic(&location, message, help));
+        }
         if errors.is_empty() { Ok(read) } else { Err(Error::Input(errors)) }
+    }
+}
+
+/// Returns why `crease bake` would refuse the arguments `given`, and the cure; `None` if it takes them.
+fn refused_options(given: &[String]) -> Option<(String, String)> {
+    let command = bake::Arguments::augment_args(clap::Command::new("crease bake"));
+    let own = ["crease bake", "mesh.glb", "--wear", "wear.json", "-o", "out.glb"];
+    let text = command.try_get_matches_from(own.into_iter().chain(given.iter().map(String::as_str))).err()?;
+    let text = text.to_string();
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    let first = lines.next().unwrap_or_default();
+    let message =
+        first.strip_prefix("error: ").map_or_else(|| "is no option of a job".to_owned(), str::to_owned);
+    let tip = lines.find_map(|line| line.strip_prefix("tip: ")).unwrap_or("see `crease bake --help`");
+    Some((message, tip.to_owned()))
+}
+
+/// Returns the text of the script `wear` of a job file in `folder`: a file, or else the script of that name.
+fn script_text(folder: &Path, wear: &str) -> Result<String> {
+    let path = folder.join(wear);
+    let is_name = !path.exists() && Path::new(wear).components().count() == 1 && !wear.contains('.');
+    match WearScript::preset_text(wear).filter(|_| is_name) {
+        Some(text) => Ok(text.to_owned()),
+        // Says which name is near.
+        None if is_name => WearScript::preset(wear).map(|_| String::new()),
+        None => input::text(&path),
     }
 }
 
@@ -157,7 +188,7 @@ impl Jobs {
             note(if folder.join(garment).is_file() { Ok(()) } else { Err(missing()) })?;
         }
         for wear in &read.wear {
-            let parsed = input::text(&folder.join(wear)).and_then(|text| WearScript::parse(wear, &text));
+            let parsed = script_text(&folder, wear).and_then(|text| WearScript::parse(wear, &text));
             note(parsed.map(drop))?;
         }
         for fabric in &read.fabrics {
@@ -210,7 +241,7 @@ impl Jobs {
                 part(&regular_bytes(&read));
             }
         }
-        part(&input::bytes(&self.folder.join(&job.wear))?);
+        part(script_text(&self.folder, &job.wear)?.as_bytes());
         part(input::fabric(&resolve_fabric(&self.folder, &job.fabric))?.to_json().as_bytes());
         Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
     }
@@ -319,6 +350,27 @@ mod tests {
         let own =
             r#"{"format": "crease-batch/1", "garments": ["a"], "wear": ["x"], "bake": ["--fabric=denim"]}"#;
         assert!(file(own).expect_err("is refused").to_string().contains("given by the batch itself"));
+    }
+
+    #[test]
+    fn options_and_names_of_scripts_are_checked_before_the_first_job() {
+        let with = |bake: &str| {
+            let text = format!(
+                r#"{{"format": "crease-batch/1", "garments": ["a"], "wear": ["crumple"], "bake": [{bake}]}}"#
+            );
+            file(&text).map(drop).map_err(|error| error.to_string())
+        };
+        assert_eq!(with(r#""--strength", "0.5", "--unit=cm""#), Ok(()));
+        let typo = with(r#""--stength", "0.5""#).expect_err("is refused");
+        assert!(
+            typo.contains("bake: unexpected argument '--stength'") && typo.contains("'--strength'"),
+            "{typo}"
+        );
+        assert!(with(r#""--strength", "much""#).expect_err("is refused").contains("invalid value 'much'"));
+        let folder = Path::new("no-such-folder");
+        assert!(script_text(folder, "crumple").is_ok());
+        let typo = script_text(folder, "crumpel").expect_err("is refused").to_string();
+        assert!(typo.contains("did you mean `crumple`?"), "{typo}");
     }
 
     #[test]
