@@ -10,7 +10,7 @@ use std::path::Path;
 use tool::{Pose, crease_in, wavy_sheet};
 
 /// What the user wanted to do, and the command.
-const MISTAKES: [(&str, &str); 37] = [
+const MISTAKES: [(&str, &str); 67] = [
     ("a wrong path", "bake shrit.obj --wear wear.json -o out.glb"),
     ("a folder for a file", "inspect folder"),
     ("a format that is not read", "inspect shirt.fbx"),
@@ -48,6 +48,36 @@ const MISTAKES: [(&str, &str); 37] = [
     ("no texture to match by", "transfer memory.crease.json --to sheet.obj --match uv -o out.glb"),
     ("a motion of one file", "remember sheet.obj -o out.glb"),
     ("frames without a rate", "remember folder -o out.glb"),
+    ("a mesh and a script the wrong way round", "bake wear.json --wear sheet.obj -o out.glb"),
+    ("a mesh for a script", "bake sheet.obj --wear sheet.obj -o out.glb"),
+    ("a binary mesh for a script", "bake sheet.obj --wear sleeve.glb -o out.glb"),
+    ("a script for a mesh", "inspect wear.json"),
+    ("a script for a body", "bake sheet.obj --body wear.json --wear wear.json -o out.glb"),
+    ("a sidecar to look at", "view plain.crease.json -o out.html"),
+    ("a sidecar for a script", "bake sheet.obj --wear plain.crease.json -o out.glb"),
+    ("a report for a sidecar", "transfer worn.report.json --to sheet.obj -o out.glb"),
+    ("a report for a mesh", "inspect worn.report.json"),
+    ("a mesh for a sidecar", "transfer sheet.obj --to sheet.obj -o out.glb"),
+    ("a fabric for a mesh", "inspect linen.json"),
+    ("a mesh for a fabric", "bake sheet.obj --fabric sheet.obj --wear wear.json -o out.glb"),
+    ("a job file for a script", "bake sheet.obj --wear jobs.json -o out.glb"),
+    ("a script for a job file", "batch wear.json"),
+    ("a compressed mesh", "inspect sheet.obj.gz"),
+    ("a compressed script", "bake sheet.obj --wear wear.json.gz -o out.glb"),
+    ("a mesh that was not fetched", "inspect pointer.glb"),
+    ("a script that was not fetched", "bake sheet.obj --wear pointer.json -o out.glb"),
+    ("a body that was not fetched", "bake sheet.obj --body pointer.glb --wear bend.json -o out.glb"),
+    ("a bend in radians", "bake sheet.obj --wear radians.json -o out.glb"),
+    ("a fold in radians", "bake sheet.obj --wear fold-radians.json -o out.glb"),
+    ("a misspelt script of the program", "bake sheet.obj --wear crumpel -o out.glb"),
+    ("no threads", "bake sheet.obj --wear wear.json --threads 0 -o out.glb"),
+    ("no jobs at a time", "batch jobs.json --parallel 0"),
+    ("a misspelt option in a batch", "batch typo-jobs.json"),
+    ("a value in a batch that is no number", "batch value-jobs.json"),
+    ("a misspelt script in a batch", "batch script-jobs.json"),
+    ("a device for a mesh", "inspect /dev/null"),
+    ("a buffer in another folder", "inspect outside.gltf"),
+    ("an output that cannot be worn", "bake sheet.obj --wear wear.json -o out.obj"),
 ];
 
 /// Writes the files that the commands read.
@@ -91,12 +121,53 @@ fn write_files(folder: &Path) {
     script("range.json", r#"{"hold": {"for": -1}}"#);
     script("twice.json", r#"{"hold": {"for": 1, "for": 2}}"#);
     write("version.json", r#"{"format": "crease-wear/2", "actions": [{"hold": {"for": 1}}]}"#);
+    write_misplaced(folder);
     std::fs::create_dir(folder.join("folder")).expect("makes");
     let own = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../..")).join("garments");
     for (from, to) in [("sleeve.glb", "sleeve.glb"), ("memories/elbow.crease.json.gz", "memory.crease.json")]
     {
         std::fs::copy(own.join(from), folder.join(to)).expect("copies");
     }
+}
+
+/// Writes files that stand in the place of others.
+fn write_misplaced(folder: &Path) {
+    let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).expect("writes");
+    let script = |name: &str, action: &str| {
+        write(name, &format!("{{\"format\": \"crease-wear/1\", \"actions\": [\n  {action}\n]}}\n"));
+    };
+    let jobs = |name: &str, wear: &str, bake: &str| {
+        let text = format!(
+            "{{\"format\": \"crease-batch/1\", \"garments\": [\"sheet.obj\"],\n \"wear\": [\"{wear}\"], \"bake\": [{bake}]}}\n"
+        );
+        write(name, &text);
+    };
+    write("plain.crease.json", r#"{"format": "crease-sidecar/1", "source": {}}"#);
+    write("worn.report.json", r#"{"wall_s": 2.3, "simulated_s": 1.5, "points": 81, "crossings": 0}"#);
+    write("linen.json", r#"{"format": "crease-fabric/1", "name": "own", "based_on": "linen"}"#);
+    script("radians.json", r#"{"bend": {"joint": "elbow", "axis": "z", "angle": 1.5708}}"#);
+    script(
+        "fold-radians.json",
+        r#"{"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "angle": 3.14159}}"#,
+    );
+    jobs("jobs.json", "wear.json", "");
+    jobs("typo-jobs.json", "wear.json", "\"--stength\", \"0.5\"");
+    jobs("value-jobs.json", "wear.json", "\"--strength=much\"");
+    jobs("script-jobs.json", "crumpel", "");
+    let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 12\n";
+    write("pointer.glb", pointer);
+    write("pointer.json", pointer);
+    for name in ["sheet.obj.gz", "wear.json.gz"] {
+        std::fs::write(folder.join(name), [0x1F, 0x8B, 8, 0, 0, 0, 0, 0, 0, 3]).expect("writes");
+    }
+    write(
+        "outside.gltf",
+        r#"{"asset": {"version": "2.0"}, "buffers": [{"uri": "/dev/zero", "byteLength": 36}],
+            "bufferViews": [{"buffer": 0, "byteLength": 36}],
+            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}], "nodes": [{"mesh": 0}],
+            "scenes": [{"nodes": [0]}]}"#,
+    );
 }
 
 #[test]

@@ -474,3 +474,88 @@ fn a_batch_runs_again_when_any_file_it_reads_has_changed() {
     assert_eq!(run(), 0);
     assert_eq!(run(), 2);
 }
+
+/// Counts without data, nodes that are their own ancestors, trees that double with every level, a hundred thousand nodes of one mesh, lists
+/// within lists. All end at once, with the place of the fault where there is one.
+#[test]
+fn shapes_that_cost_much_are_refused_or_harmless() {
+    let scene = Scene::new();
+    type Change = Box<dyn FnOnce(&mut Value)>;
+    let cases: Vec<(&str, i32, Change)> = vec![
+        ("accessors[0]", 1, Box::new(|d| d["accessors"][0]["count"] = json!(1u64 << 53))),
+        (
+            "accessors[0]",
+            1,
+            Box::new(|d| {
+                d["accessors"][0] = json!({"componentType": 5126, "count": u32::MAX, "type": "VEC3"})
+            }),
+        ),
+        (
+            "accessors[0].sparse",
+            1,
+            Box::new(|d| {
+                d["accessors"][0]["sparse"] = json!({"count": u32::MAX,
+                    "indices": {"bufferView": 1, "componentType": 5123}, "values": {"bufferView": 0}});
+            }),
+        ),
+        ("bufferViews[0]", 1, Box::new(|d| d["bufferViews"][0]["byteLength"] = json!(1u64 << 53))),
+        (
+            "own ancestor",
+            1,
+            Box::new(|d| d["nodes"] = json!([{"children": [1], "mesh": 0}, {"children": [0]}])),
+        ),
+        ("own ancestor", 1, Box::new(|d| d["nodes"] = json!([{"children": [0], "mesh": 0}]))),
+        (
+            "also a child",
+            1,
+            Box::new(|d| {
+                let level =
+                    |k: usize| if k < 28 { json!({"children": [k + 1, k + 1]}) } else { json!({"mesh": 0}) };
+                d["nodes"] = (0..29).map(level).collect();
+            }),
+        ),
+        (
+            "",
+            0,
+            Box::new(|d| {
+                d["nodes"] = vec![json!({"mesh": 0}); 100_000].into();
+                d["scenes"][0]["nodes"] = (0..100_000).collect();
+            }),
+        ),
+    ];
+    for (number, (place, expected, change)) in cases.into_iter().enumerate() {
+        write(&scene.folder(), "a.gltf", sheet(change));
+        let (_, text, code) = scene.run("inspect a.gltf");
+        assert!(code == expected && text.contains(place), "case {number}: {code} {text}");
+    }
+    let deep = format!(
+        "{{\"asset\": {{\"version\": \"2.0\"}}, \"extras\": {}{}}}",
+        "[".repeat(200_000),
+        "]".repeat(200_000)
+    );
+    write(&scene.folder(), "a.gltf", deep);
+    let (_, text, code) = scene.run("inspect a.gltf");
+    assert!(code == 1 && text.contains("recursion limit"), "{text}");
+}
+
+/// Markup in every name that a page could show.
+#[test]
+fn names_of_files_are_no_markup_of_a_page() {
+    let scene = Scene::new();
+    let name = "</script><script>alert(1)</script>";
+    write(
+        &scene.folder(),
+        "a.gltf",
+        sheet(|document| {
+            document["asset"]["generator"] = json!(name);
+            document["nodes"][0]["name"] = json!(name);
+            document["materials"][0]["name"] = json!(name);
+        }),
+    );
+    let (_, text, code) = scene.run("bake a.gltf --wear fold.json -o out.glb --quiet");
+    assert_eq!(code, 0, "{text}");
+    let (_, text, code) = scene.run("view out.glb -o out.html");
+    assert_eq!(code, 0, "{text}");
+    let page = std::fs::read_to_string(scene.folder().join("out.html")).expect("reads");
+    assert!(!page.contains("<script>alert"), "the name is markup");
+}

@@ -69,4 +69,38 @@ impl FieldError {
     pub fn new(field: &'static str, message: impl Into<String>, help: impl Into<Message>) -> Self {
         Self { field, message: message.into(), help: help.into() }
     }
+
+    /// The error of an angle `degrees` that is a simple fraction of pi, as a turn in radians is; `None` for any other.
+    pub fn of_radians(degrees: f64) -> Option<Self> {
+        let meant = degrees.to_degrees();
+        let whole = [30.0, 45.0].map(|step| step * (meant / step).round());
+        let is_turn = |turn: &f64| *turn != 0.0 && turn.abs() <= 360.0;
+        let turn = whole
+            .into_iter()
+            .filter(is_turn)
+            .find(|turn| (turn.to_radians() - degrees).abs() <= RADIANS_TOL && degrees.fract() != 0.0)?;
+        let message = format!("angles are in degrees, and {degrees} is {turn} degrees in radians");
+        Some(Self::new("angle", message, format!("write {turn}")))
+    }
+}
+
+/// Rounding of an angle in radians to two decimals \[rad\], by which a number of degrees is taken for one.
+const RADIANS_TOL: f64 = 0.002;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn angles_in_radians_are_told_from_small_angles_in_degrees() {
+        for (radians, turn) in
+            [(3.14159, "180"), (1.57, "90"), (-2.356, "-135"), (0.5236, "30"), (6.283, "360")]
+        {
+            let error = FieldError::of_radians(radians).expect("is a turn");
+            assert!(error.message.contains(&format!("is {turn} degrees")), "{}", error.message);
+        }
+        for degrees in [180.0, 3.0, 1.0, 1.5, 0.25, 2.5, 90.0, 57.3, 0.0, 1e-9, f64::NAN] {
+            assert!(FieldError::of_radians(degrees).is_none(), "{degrees}");
+        }
+    }
 }

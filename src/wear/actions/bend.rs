@@ -142,6 +142,7 @@ impl WearAction for Bend {
             let help = "give an angle in degrees, not 0";
             errors.push(FieldError::new("angle", "an angle of 0 bends nothing", help));
         }
+        errors.extend(FieldError::of_radians(self.angle_deg));
         errors
     }
 

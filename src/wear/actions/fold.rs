@@ -121,7 +121,7 @@ impl WearAction for Fold {
             return vec![FieldError::new("line", message, "give two points apart from each other")];
         }
         let wrong_side = |message, help| vec![FieldError::new("side", message, help)];
-        match self.side {
+        let mut errors = match self.side {
             FoldSide::Left | FoldSide::Right if dy < MIN_LENGTH_FRACTION => {
                 wrong_side("a level line has no left and no right side", "use `upper` or `lower`")
             }
@@ -129,7 +129,9 @@ impl WearAction for Fold {
                 wrong_side("an upright line has no upper and no lower side", "use `left` or `right`")
             }
             _ => Vec::new(),
-        }
+        };
+        errors.extend(FieldError::of_radians(self.angle_deg));
+        errors
     }
 
     /// Marks the line and turns the flap over.
