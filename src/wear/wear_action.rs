@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn angles_in_radians_are_told_from_small_angles_in_degrees() {
         for (radians, turn) in
-            [(3.14159, "180"), (1.57, "90"), (-2.356, "-135"), (0.5236, "30"), (6.283, "360")]
+            [(3.1416, "180"), (1.57, "90"), (-2.356, "-135"), (0.5236, "30"), (6.283, "360")]
         {
             let error = FieldError::of_radians(radians).expect("is a turn");
             assert!(error.message.contains(&format!("is {turn} degrees")), "{}", error.message);

@@ -75,7 +75,7 @@ pub(super) fn drop_unused(
     for (number, bytes) in buffers.iter_mut().enumerate() {
         let entry = &mut json["buffers"][number];
         if used.ends.get(number) != Some(&None)
-            || !entry["uri"].as_str().is_some_and(|uri| !uri.starts_with("data:"))
+            || entry["uri"].as_str().is_none_or(|uri| uri.starts_with("data:"))
         {
             continue;
         }

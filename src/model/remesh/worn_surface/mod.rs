@@ -151,8 +151,8 @@ impl WornSurface {
         let Some((distance, edge, part, offset)) = nearest else { return own };
         // What the other side has at the line, from half of it on the line down to none at the border of the crease.
         let other = edge.sides[usize::from(offset.dot(&edge.across) > 0.0)];
-        let share = 0.5 * (1.0 - distance / self.half_width);
-        own * (1.0 - share) + self.side_turn(other, edge, part) * share
+        let fraction = 0.5 * (1.0 - distance / self.half_width);
+        own * (1.0 - fraction) + self.side_turn(other, edge, part) * fraction
     }
 
     /// The turn of the side `face` of a crease edge at the fraction `part` of its length.
