@@ -299,11 +299,11 @@ fn a_crease_comes_out_of_the_map_with_its_angle_and_width_on_its_line() {
         let glb = write_worn_glb(&asset, &coarse, &shown, &extras).unwrap();
         let detailed = add_detail_map(&glb, &asset, &detail, 2048, MapDepth::Sixteen).unwrap();
         let map = Texels::from_png(&detailed.maps[0].normal_png).unwrap();
-        // In the left island u is x and v is -z, and the tangent and bitangent of the flat sheet are x and z or its opposite.
+        // In the left island u of the picture is x and v is z.
         let tilt = |level: f64, part: f64| {
             let x = Vec3::new(0.09, 0.0, 0.15) + Vec3::new(-angle.sin(), 0.0, angle.cos()) * level;
             let x = x + Vec3::new(angle.cos(), 0.0, angle.sin()) * part;
-            let uv = Vec2::new(0.05 + 0.45 * x.x / SIDE, 0.5 - 0.45 * x.z / SIDE);
+            let uv = Vec2::new(0.05 + 0.45 * x.x / SIDE, 0.5 + 0.45 * x.z / SIDE);
             let d = map.sample(uv);
             (d.x.hypot(d.y)).atan2(d.z).to_degrees()
         };
