@@ -93,9 +93,11 @@ mod tests {
 
     #[test]
     fn angles_in_radians_are_told_from_small_angles_in_degrees() {
-        for (radians, turn) in
-            [(3.1416, "180"), (1.57, "90"), (-2.356, "-135"), (0.5236, "30"), (6.283, "360")]
+        for (degrees, turn) in
+            [(180.0f64, "180"), (90.0, "90"), (-135.0, "-135"), (30.0, "30"), (360.0, "360")]
         {
+            // As somebody writes them, with three decimals.
+            let radians = (1e3 * degrees.to_radians()).round() / 1e3;
             let error = FieldError::of_radians(radians).expect("is a turn");
             assert!(error.message.contains(&format!("is {turn} degrees")), "{}", error.message);
         }
