@@ -150,7 +150,7 @@ fn nothing_outside_the_folder_of_a_gltf_is_read() {
     symlink(scene.private("secret.png"), scene.folder().join("link.png")).expect("links");
     symlink(scene.private(""), scene.folder().join("deep")).expect("links");
     let (file, address) = (scene.private("secret"), format!("file://{}", scene.private("secret")));
-    let addresses = [
+    let escapes = [
         "../private/secret",
         &file,
         &address,
@@ -159,16 +159,16 @@ fn nothing_outside_the_folder_of_a_gltf_is_read() {
         "link",
         "deep/secret",
     ];
-    for address in addresses {
-        let uri = |ending: &str| format!("{address}.{ending}");
+    for escape in escapes {
+        let uri = |ending: &str| format!("{escape}.{ending}");
         write(&scene.folder(), "a.gltf", with_used_buffer(&uri("bin")));
         let (_, text, code) = scene.run("bake a.gltf --wear fold.json -o out.glb --quiet");
-        assert_eq!(code, 1, "{address}: {text}");
+        assert_eq!(code, 1, "{escape}: {text}");
         assert!(text.starts_with("error: a.gltf: buffers[1]: the file "), "{text}");
         // Backslashes are part of a name where they do not part folders.
         let reasons = ["outside the folder of a.gltf", "network address", "there is no such file"];
-        let is_told = reasons.iter().any(|reason| text.contains(reason));
-        assert!(is_told && (address.contains('\\') || !text.contains(reasons[2])), "{text}");
+        let is_explained = reasons.iter().any(|reason| text.contains(reason));
+        assert!(is_explained && (escape.contains('\\') || !text.contains(reasons[2])), "{text}");
         assert!(!scene.folder().join("out.glb").exists());
         for document in [
             with_unused_buffer(&uri("bin"), false),
@@ -177,12 +177,12 @@ fn nothing_outside_the_folder_of_a_gltf_is_read() {
         ] {
             write(&scene.folder(), "a.gltf", document);
             let (_, text, code) = scene.run("bake a.gltf --wear fold.json -o out.glb");
-            assert_eq!(code, 0, "{address}: {text}");
+            assert_eq!(code, 0, "{escape}: {text}");
             assert!(
                 !text.contains("images[0]") || reasons.iter().any(|reason| text.contains(reason)),
                 "{text}"
             );
-            scene.assert_nothing_leaked(address);
+            scene.assert_nothing_leaked(escape);
             std::fs::remove_file(scene.folder().join("out.glb")).expect("was written");
         }
     }

@@ -99,9 +99,14 @@ impl ReferenceFolders {
     /// Reads the file called `name`: all of it, or the first `needed` bytes.
     ///
     /// # Errors
-    /// Those of [`Self::path_of`] and of [`read_regular`].
+    /// Those of [`Self::path_of`] and of [`read_regular`]. That of a missing file has no advice: the reader of the file that names it knows
+    /// where it belongs.
     pub fn read(&self, name: &str, needed: Option<u64>) -> Result<Vec<u8>> {
-        read_regular(&self.path_of(name)?, needed)
+        let path = self.path_of(name)?;
+        if !path.exists() {
+            return Err(Error::input(file_name(&path), "", "there is no such file", ""));
+        }
+        read_regular(&path, needed)
     }
 }
 

@@ -1,5 +1,5 @@
 //! Gives every node of the scene a mesh of its own where several show one: mirrored sleeves, a pair of socks, a stand of two bars.
-//! A mesh keeps one set of wrinkles, so the copies are meshes of the document; all refer to one set of accessors. Copies no bytes.
+//! A mesh keeps one set of wrinkles, so the copies are meshes of the document; they have the accessors in common. Copies no bytes.
 
 use crate::gltf::json_cursor::Cursor;
 use crate::tuning::TUNING;
