@@ -294,9 +294,9 @@ fn a_primitive_that_is_not_worn_gets_zeros() {
     assert!(buttons.attributes().all(|(name, _)| !matches!(name, gltf::Semantic::Extras(_))));
 }
 
-/// A mesh that two nodes show is one shape: both are worn, and both have their weights extended.
+/// A mesh that two nodes show is two garments: each has a shape of its own, on the accessors of both.
 #[test]
-fn a_mesh_that_two_nodes_show_is_worn_by_both() {
+fn each_node_of_a_mesh_that_two_show_wears_its_own() {
     let mut d = Document::new();
     let position = d.positions(&QUAD);
     let mut primitive = d.quad(json!({"POSITION": position}));
@@ -305,11 +305,12 @@ fn a_mesh_that_two_nodes_show_is_worn_by_both() {
     d.push("nodes", json!({"mesh": 0, "children": [1]}));
     d.push("nodes", json!({"mesh": 0, "translation": [3.0, 0.0, 0.0], "weights": [0.5]}));
     let (json, _) = split_glb(&wear("two_nodes", &d.glb(), None)).unwrap();
-    assert_eq!(json["meshes"].as_array().unwrap().len(), 1);
+    assert_eq!(json["meshes"].as_array().unwrap().len(), 2);
+    assert_eq!([0, 1].map(|k| json["nodes"][k]["mesh"].clone()), [json!(0), json!(1)]);
     assert_eq!(json["nodes"][1]["weights"], json!([0.5, 1.0]));
 }
 
-/// The same mesh, where the second node has a piece of its own that is not worn.
+/// The same mesh, where the piece of the second node is not worn.
 #[test]
 fn a_node_with_an_unworn_piece_of_the_same_mesh_keeps_its_shape() {
     let mut d = Document::new();
@@ -319,18 +320,20 @@ fn a_node_with_an_unworn_piece_of_the_same_mesh_keeps_its_shape() {
     d.push("nodes", json!({"mesh": 0, "children": [1]}));
     d.push("nodes", json!({"mesh": 0, "translation": [3.0, 0.0, 0.0]}));
     let mut asset = read("copy", &d.glb(), None);
-    let mut other = asset.pieces[0].clone();
-    (other.node, other.worn) = (Some(1), false);
-    asset.pieces.push(other);
+    assert_eq!(asset.pieces.iter().map(|piece| piece.node).collect::<Vec<_>>(), [Some(0), Some(1)]);
+    asset.pieces[1].worn = false;
     let garment = garment(&asset);
     let worn = some_wear(&garment);
     let glb = write_worn_glb(&asset, &garment, &worn, &extras()).unwrap();
     leave("copied_mesh", &glb);
     assert_displaced(&asset, &garment, &worn, &glb);
     let (json, _) = split_glb(&glb).unwrap();
-    assert_eq!(json["nodes"][0]["mesh"], 1);
-    assert_eq!(json["nodes"][1]["mesh"], 0);
-    assert_eq!(json["meshes"][0], asset.document.unwrap().json["meshes"][0]);
+    let primitive = |node: usize| {
+        let mesh = json["nodes"][node]["mesh"].as_u64().unwrap() as usize;
+        json["meshes"][mesh]["primitives"][0].clone()
+    };
+    assert!(primitive(0)["targets"].is_array());
+    assert_eq!(primitive(1), asset.document.unwrap().json["meshes"][0]["primitives"][0]);
 }
 
 /// Positions in 16 bits that a node scales back, normals in 8, as KHR_mesh_quantization allows.

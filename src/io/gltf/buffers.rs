@@ -65,7 +65,7 @@ fn mark_views(value: &Value, views: &mut [bool]) {
     }
 }
 
-/// Removes the files that nothing uses from the document: their names, and views of them. Returns a note for each.
+/// Removes the files that nothing uses from the document: their addresses, and views of them. Returns a note for each.
 pub(super) fn drop_unused(
     json: &mut Value,
     buffers: &mut [Vec<u8>],
@@ -87,7 +87,10 @@ pub(super) fn drop_unused(
                 .into(),
         });
         *bytes = vec![0; UNUSED_BYTES];
-        *entry = json!({"byteLength": UNUSED_BYTES});
+        if let Some(entry) = entry.as_object_mut() {
+            entry.remove("uri");
+            entry.insert("byteLength".into(), UNUSED_BYTES.into());
+        }
         let views = json["bufferViews"].as_array_mut().into_iter().flatten().zip(&used.views);
         for (view, _) in
             views.filter(|(view, used)| !**used && view["buffer"].as_u64() == Some(number as u64))
