@@ -1,6 +1,6 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
-use crate::files::read::{MAX_BYTES, file_name, read_bytes, read_regular, refuse_gzip, write_bytes};
+use crate::files::read::{MAX_BYTES, file_name, read_bytes, refuse_gzip, write_bytes};
 use crate::files::reference::ReferenceFolders;
 use crate::wear::WearScript;
 use crease_io::gltf::{embed_images, sidecar_name, write_worn_glb};
@@ -247,7 +247,7 @@ impl ReferenceReader {
                 "split it, or leave out what is not the garment",
             ));
         }
-        let bytes = read_regular(&path, needed)?;
+        let bytes = self.folders.read(name, needed)?;
         self.left = self.left.saturating_sub(bytes.len() as u64);
         Ok(bytes)
     }

@@ -154,14 +154,15 @@ fn a_skin_places_vertices_and_its_node_does_not() {
 }
 
 #[test]
-fn a_mesh_of_two_nodes_is_worn_once() {
+fn each_node_of_a_mesh_of_two_is_a_piece() {
     let (mut document, binary) = triangle();
     document["nodes"] =
         json!([{"name": "Left", "mesh": 0}, {"name": "Right", "mesh": 0, "translation": [1, 0, 0]}]);
     document["scenes"] = json!([{"nodes": [0, 1]}]);
-    let (asset, diagnostics) = read(&document, &binary);
-    assert_eq!((asset.pieces.len(), asset.pieces[0].node), (1, Some(0)));
-    assert_eq!(diagnostics[0].location, "nodes[1]");
+    let (asset, _) = read(&document, &binary);
+    assert_eq!(asset.pieces.iter().map(|piece| piece.node).collect::<Vec<_>>(), [Some(0), Some(1)]);
+    let apart = asset.pieces[1].scene_position(0).unwrap() - asset.pieces[0].scene_position(0).unwrap();
+    assert_eq!(apart, Vec3::x());
 }
 
 #[test]

@@ -40,7 +40,7 @@ pub fn read_sidecar(file: &str, bytes: &[u8]) -> Result<Sidecar> {
     let sidecar: Sidecar = serde_path_to_error::deserialize(&mut reader).map_err(|error| {
         // Another version, or another kind of file, is the better explanation of a missing field.
         stated_format(bytes).filter(|format| format != SIDECAR_FORMAT).map_or_else(
-            || match kind_of_file(bytes) {
+            || match kind_of_file(bytes).filter(|_| stated_format(bytes).is_none()) {
                 Some(kind) => Error::input(file, "", format!("is {kind}, not a sidecar"), sidecar_help()),
                 None => unreadable(file, &error.path().to_string(), error.inner()),
             },
