@@ -95,7 +95,6 @@ impl WearAction for Lay {
             Mat3::from_rows(&[upper.cross(&facing).transpose(), facing.transpose(), (-upper).transpose()]);
         let rotation = from_file * persistent.orientation.transpose();
         let mut laid: Vec<Vec3> = context.positions.iter().map(|p| rotation * p).collect();
-        let (low, high) = bounds(&laid);
         persistent.orientation = from_file;
         persistent.turns.clear();
         persistent.held_loads = None;
@@ -106,14 +105,13 @@ impl WearAction for Lay {
         persistent.ground = Some(0.0);
         let mut laid_out = None;
         let upright: Vec<Vec3> = context.source_positions.iter().map(|p| from_file * p).collect();
-        let lies = |[low, high]: [Vec3; 2]| {
+        let lies = |x: &[Vec3]| {
+            let (low, high) = bounds(x);
             high.y - low.y + context.thickness <= TUNING.lay.flat_layers * context.thickness
         };
-        if lies([low, high]) {
-            // It stays as it lies.
-        } else if lies(bounds(&upright).into()) {
+        if !lies(&laid) && lies(&upright) {
             laid = upright;
-        } else {
+        } else if !lies(&laid) {
             let layout =
                 FlatLayout::new(&upright, context.triangles, TUNING.lay.layout_gap * context.thickness);
             let Some(layout) = layout else {

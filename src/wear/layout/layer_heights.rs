@@ -5,10 +5,10 @@
 //! dynamics, Müller and others 2007), above the ground.
 
 use crate::wear::layout::layout_sides::Neighbours;
-use crate::wear::layout::overlap_order::{Overlap, weights_at};
+use crate::wear::layout::overlap_order::{Overlap, on_plane, weights_at};
 use crate::wear::tuning::TUNING;
 use crease_geometry::math::{Vec2, Vec3};
-use crease_geometry::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::{PointIndex, Topology, edge_distances};
 
 /// A corner of a common polygon: points with their weights, positive in the upper triangle, negative in the lower.
 struct Constraint {
@@ -23,8 +23,7 @@ struct Constraint {
 impl Constraint {
     /// `None` at a point that both triangles have in common.
     fn new(sheet: &Sheet, [lower, upper]: [&[PointIndex; 3]; 2], at: Vec2) -> Option<Self> {
-        let plane = |t: &[PointIndex; 3]| t.map(|p| Vec2::new(sheet.flat[p.at()].x, -sheet.flat[p.at()].z));
-        let (below, above) = (weights_at(at, &plane(lower)), weights_at(at, &plane(upper)));
+        let [below, above] = [lower, upper].map(|t| weights_at(at, &on_plane(sheet.flat, t)));
         let gap = sheet.gap_at([(lower, &below), (upper, &above)]);
         let points = [upper[0], upper[1], upper[2], lower[0], lower[1], lower[2]].map(|p| p.0);
         let mut weights = [above[0], above[1], above[2], -below[0], -below[1], -below[2]];
@@ -74,7 +73,7 @@ fn distance_from_folds(
     topology: &Topology,
     neighbours: &[Neighbours],
 ) -> Vec<f64> {
-    let mut distance = vec![f64::INFINITY; flat.len()];
+    let mut is_fold = vec![false; flat.len()];
     for Neighbours { edge, triangles: pair, .. } in neighbours {
         let ends = topology.edges[*edge];
         let [a, b] = ends.map(|p| flat[p.at()]);
@@ -83,26 +82,10 @@ fn distance_from_folds(
             (b - a).cross(&(opposite - a)).y
         };
         if side(pair[0]) * side(pair[1]) > 0.0 {
-            ends.iter().for_each(|p| distance[p.at()] = 0.0);
+            ends.iter().for_each(|p| is_fold[p.at()] = true);
         }
     }
-    // Edges in both directions, as often as the distance spreads.
-    for _ in 0..TUNING.lay.max_gap_rounds {
-        let mut changed = false;
-        for [a, b] in &topology.edges {
-            let length = (flat[a.at()] - flat[b.at()]).norm();
-            for (p, q) in [(a.at(), b.at()), (b.at(), a.at())] {
-                if distance[p] + length < distance[q] {
-                    distance[q] = distance[p] + length;
-                    changed = true;
-                }
-            }
-        }
-        if !changed {
-            break;
-        }
-    }
-    distance
+    edge_distances(flat, topology, &is_fold, f64::INFINITY)
 }
 
 /// Heights of the points at `flat` [m] above the ground, one per point, so that the triangles of every overlap lie `gap` [m] apart where
@@ -147,17 +130,14 @@ pub(crate) fn layer_heights(
 /// Most triangles on one another at the centroid of one.
 pub(crate) fn layer_count(flat: &[Vec3], triangles: &[[PointIndex; 3]], overlaps: &[Overlap]) -> u32 {
     let mut others = vec![0; triangles.len()];
-    for f in overlaps.iter().flat_map(|overlap| overlap.triangles.map(|f| [f, other(overlap, f)])) {
-        let [a, b, c] = triangles[f[0] as usize].map(|p| Vec2::new(flat[p.at()].x, -flat[p.at()].z));
-        let corners = triangles[f[1] as usize].map(|p| Vec2::new(flat[p.at()].x, -flat[p.at()].z));
+    let both = |overlap: &Overlap| {
+        let [f, g] = overlap.triangles;
+        [[f, g], [g, f]]
+    };
+    for f in overlaps.iter().flat_map(both) {
+        let [[a, b, c], corners] = f.map(|f| on_plane(flat, &triangles[f as usize]));
         let is_over = weights_at((a + b + c) / 3.0, &corners).iter().all(|w| *w >= 0.0);
         others[f[0] as usize] += u32::from(is_over);
     }
     1 + others.into_iter().max().unwrap_or(0)
-}
-
-/// The other triangle of a pair.
-fn other(overlap: &Overlap, f: u32) -> u32 {
-    let [lower, upper] = overlap.triangles;
-    if f == lower { upper } else { lower }
 }

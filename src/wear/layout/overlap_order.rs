@@ -22,13 +22,16 @@ pub(crate) struct Overlap {
     pub polygon: Vec<Vec2>,
     /// Area of it [m²].
     area: f64,
-    /// Clearness of the order of its group, from 0 (no evidence) to 1.
-    pub clearness: f64,
+}
+
+/// Points of the cloth seen from above [m]: x to the right, the second coordinate away from the viewer.
+pub(crate) fn on_plane<const N: usize>(flat: &[Vec3], points: &[PointIndex; N]) -> [Vec2; N] {
+    points.map(|p| Vec2::new(flat[p.at()].x, -flat[p.at()].z))
 }
 
 /// Corners of a triangle in the plane, counter-clockwise [m].
 fn in_plane(flat: &[Vec3], t: &[PointIndex; 3]) -> [Vec2; 3] {
-    let [a, b, c] = t.map(|p| Vec2::new(flat[p.at()].x, -flat[p.at()].z));
+    let [a, b, c] = on_plane(flat, t);
     if (b - a).perp(&(c - a)) < 0.0 { [a, c, b] } else { [a, b, c] }
 }
 
@@ -83,7 +86,7 @@ pub(crate) fn ordered_overlaps(
         above[g as usize].push(f);
     }
     let is_over = |edge: usize, g: u32| {
-        let [a, b] = edges[edge].map(|p| Vec2::new(flat[p.at()].x, -flat[p.at()].z));
+        let [a, b] = on_plane(flat, &edges[edge]);
         length_inside(a, b, &in_plane(flat, &triangles[g as usize])) > TUNING.lay.min_overlap
     };
     for pair in neighbours {
@@ -100,20 +103,16 @@ pub(crate) fn ordered_overlaps(
         .iter()
         .map(|overlap| overlap.area * evidence(source, flat, triangles, sides, overlap))
         .collect();
-    let mut sums = vec![(0.0, 0.0); 2 * overlaps.len()];
+    let mut sums = vec![0.0; 2 * overlaps.len()];
     for (k, weight) in (0u32..).zip(&weights) {
         for (node, sign) in [(2 * k, 1.0), (2 * k + 1, -1.0)] {
-            let root = groups.find(node) as usize;
-            sums[root].0 += sign * weight;
-            sums[root].1 += overlaps[k as usize].area;
+            sums[groups.find(node) as usize] += sign * weight;
         }
     }
     for (k, overlap) in (0u32..).zip(&mut overlaps) {
         let (root, opposite) = (groups.find(2 * k), groups.find(2 * k + 1));
         // A group that contradicts itself says nothing: every pair counts by itself.
-        let (sum, area) =
-            if root == opposite { (weights[k as usize], f64::INFINITY) } else { sums[root as usize] };
-        overlap.clearness = (sum / area).abs();
+        let sum = if root == opposite { weights[k as usize] } else { sums[root as usize] };
         if sum < 0.0 {
             overlap.triangles.swap(0, 1);
         }
@@ -132,7 +131,6 @@ fn overlaps(flat: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<Overlap> {
             triangles: [f.min(g), f.max(g)],
             polygon,
             area,
-            clearness: 0.0,
         })
     };
     let mut found: Vec<Overlap> = near.into_par_iter().filter_map(overlap).collect();
@@ -171,7 +169,7 @@ fn evidence(
     let [(x, m), (y, n)] = overlap.triangles.map(|f| {
         let t = &triangles[f as usize];
         let [a, b, c] = triangle::corners(source, t);
-        let weights = weights_at(middle, &t.map(|p| Vec2::new(flat[p.at()].x, -flat[p.at()].z)));
+        let weights = weights_at(middle, &on_plane(flat, t));
         let normal = triangle::normal(&[a, b, c]).unwrap_or_else(Vec3::zeros);
         let upward = if sides.up[f as usize] { normal } else { -normal };
         (a * weights[0] + b * weights[1] + c * weights[2], upward)
