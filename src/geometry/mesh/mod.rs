@@ -21,7 +21,7 @@ mod weld;
 pub use edge_distance::edge_distances;
 pub use hinge::{hinge_angle, hinge_gradient, unwrap_angle};
 pub use index::{INVALID, PointIndex, VertexIndex};
-pub use rotation_field::{point_rotations, turned};
+pub use rotation_field::{mean_rotation, point_rotations, turned, weighted_rotation};
 pub use surface_walk::SurfaceWalk;
 pub use topology::{Hinge, Topology, edge_key, loop_length};
 pub use weld::{Groups, Welder};

@@ -8,12 +8,21 @@ use crate::mesh::triangle::corners;
 pub fn point_rotations(from: &[Vec3], triangles: &[[PointIndex; 3]], to: &[Vec3]) -> Vec<Mat3> {
     let mut sum = vec![Mat3::zeros(); from.len()];
     for t in triangles {
-        let [(before, area), (after, _)] = [from, to].map(|x| frame(&corners(x, t)));
-        t.iter().for_each(|p| sum[p.at()] += after * before.transpose() * area);
+        let weighted = weighted_rotation(from, to, t);
+        t.iter().for_each(|p| sum[p.at()] += weighted);
     }
-    sum.into_iter()
-        .map(|m| nearest_rotation(m).map_or_else(Mat3::identity, |nearest| nearest.rotation))
-        .collect()
+    sum.into_iter().map(mean_rotation).collect()
+}
+
+/// Rotation of the triangle `t` from the positions `from` to the positions `to`, times its area before [m²].
+pub fn weighted_rotation(from: &[Vec3], to: &[Vec3], t: &[PointIndex; 3]) -> Mat3 {
+    let [(before, area), (after, _)] = [from, to].map(|x| frame(&corners(x, t)));
+    after * before.transpose() * area
+}
+
+/// Rotation nearest to a weighted sum of rotations; none where they cancel.
+pub fn mean_rotation(sum: Mat3) -> Mat3 {
+    nearest_rotation(sum).map_or_else(Mat3::identity, |nearest| nearest.rotation)
 }
 
 /// The vector `offset` at a place of a triangle with these `corners` and `weights`, turned as the surface turns there.

@@ -4,8 +4,8 @@
 use crate::remesh::GarmentSurface;
 use crate::remesh::tuning::TUNING;
 use crate::remesh::worn_surface::crease_edges::CreaseEdges;
-use crease_geometry::math::{Mat3, Vec3, nearest_rotation};
-use crease_geometry::mesh::triangle::corners;
+use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::{Groups, mean_rotation, weighted_rotation};
 use rustc_hash::FxHashMap;
 use std::collections::VecDeque;
 
@@ -42,7 +42,7 @@ pub(super) fn corner_rotations(
 /// Rotations averaged over the triangles around each point that no centre line parts and of which all or none are in strips.
 fn panel_rotations(mesh: &GarmentSurface, after: &[Vec3], creases: &CreaseEdges) -> Vec<[Mat3; 3]> {
     let count = mesh.triangles.len();
-    let mut group: Vec<u32> = (0..3 * count as u32).collect();
+    let mut groups = Groups::new(3 * count);
     let corner = |f: u32, p| mesh.triangles[f as usize].iter().position(|q| *q == p).unwrap_or(0) as u32;
     for (h, hinge) in mesh.topology.hinges.iter().enumerate() {
         let [f, g] = hinge.triangles;
@@ -50,41 +50,18 @@ fn panel_rotations(mesh: &GarmentSurface, after: &[Vec3], creases: &CreaseEdges)
             continue;
         }
         for p in &hinge.points[..2] {
-            let (a, b) = (root(&mut group, 3 * f + corner(f, *p)), root(&mut group, 3 * g + corner(g, *p)));
-            group[a.max(b) as usize] = a.min(b);
+            groups.join(3 * f + corner(f, *p), 3 * g + corner(g, *p));
         }
     }
     let mut sums = vec![Mat3::zeros(); 3 * count];
     for (f, t) in mesh.triangles.iter().enumerate() {
-        let [(before, area), (now, _)] = [&mesh.points[..], after].map(|x| frame(&corners(x, t)));
+        let weighted = weighted_rotation(&mesh.points, after, t);
         for k in 0..3 {
-            sums[root(&mut group, (3 * f + k) as u32) as usize] += now * before.transpose() * area;
+            sums[groups.find((3 * f + k) as u32) as usize] += weighted;
         }
     }
-    let mean: Vec<Mat3> = sums
-        .into_iter()
-        .map(|sum| nearest_rotation(sum).map_or_else(Mat3::identity, |nearest| nearest.rotation))
-        .collect();
-    (0..count).map(|f| std::array::from_fn(|k| mean[root(&mut group, (3 * f + k) as u32) as usize])).collect()
-}
-
-/// Representative of the group of `k`.
-fn root(group: &mut [u32], mut k: u32) -> u32 {
-    while group[k as usize] != k {
-        group[k as usize] = group[group[k as usize] as usize];
-        k = group[k as usize];
-    }
-    k
-}
-
-/// Orthonormal frame of a triangle in its columns, and its area [m²].
-fn frame(x: &[Vec3; 3]) -> (Mat3, f64) {
-    let along = x[1] - x[0];
-    let normal = along.cross(&(x[2] - x[0]));
-    match (along.try_normalize(0.0), normal.try_normalize(0.0)) {
-        (Some(u), Some(n)) => (Mat3::from_columns(&[u, n.cross(&u), n]), 0.5 * normal.norm()),
-        _ => (Mat3::identity(), 0.0),
-    }
+    let mean: Vec<Mat3> = sums.into_iter().map(mean_rotation).collect();
+    (0..count).map(|f| std::array::from_fn(|k| mean[groups.find((3 * f + k) as u32) as usize])).collect()
 }
 
 /// The strip around triangle `first` on its side of the centre line, and the rotations of the panel along its border.
@@ -134,6 +111,5 @@ fn carried(mesh: &GarmentSurface, seeds: &[Seed], x: &Vec3) -> Mat3 {
     let nearest = seeds.iter().map(squared).fold(f64::INFINITY, f64::min);
     let reach = TUNING.strip_reach * TUNING.strip_reach;
     let weighted = seeds.iter().map(|seed| seed.rotation * (-(squared(seed) - nearest) / reach).exp());
-    let sum: Mat3 = weighted.sum();
-    nearest_rotation(sum).map_or_else(Mat3::identity, |nearest| nearest.rotation)
+    mean_rotation(weighted.sum())
 }
