@@ -5,7 +5,7 @@
 
 use crate::bake::Checkpoint;
 use crate::files::output::is_stream;
-use crate::files::read::{file_name, read_bytes};
+use crate::files::read::{file_name, folder_of, read_bytes};
 use crease_model::error::Result;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -51,9 +51,8 @@ impl CheckpointFile {
     /// Removes what a run that was killed while it wrote a checkpoint has left. To be called by the run that has the lock of the outputs.
     pub fn remove_parts(&self) {
         let Some(path) = &self.path else { return };
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let prefix = part_prefix(path);
-        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        for entry in std::fs::read_dir(folder_of(path)).into_iter().flatten().flatten() {
             let name = entry.file_name();
             let name = name.to_string_lossy();
             if name.starts_with(&prefix) && name.ends_with(PART_SUFFIX) {
@@ -114,11 +113,9 @@ const PART_SUFFIX: &str = ".part";
 /// Writes the checkpoint `path` whole or not at all.
 fn write(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // The folder of the outputs is made with the first file in it.
-    if let Some(folder) = path.parent().filter(|folder| !folder.as_os_str().is_empty()) {
-        std::fs::create_dir_all(folder)?;
-    }
+    let folder = folder_of(path);
+    std::fs::create_dir_all(folder)?;
     // A new file with a random part in its name, which is removed if it cannot be written whole.
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     let mut file = builder.prefix(&part_prefix(path)).suffix(PART_SUFFIX).tempfile_in(folder)?;
     file.write_all(bytes)?;

@@ -1,7 +1,7 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
 use crate::files::read::{MAX_BYTES, file_name, read_bytes, refuse_gzip, write_bytes};
-use crate::files::reference::ReferenceFolders;
+use crate::files::reference::{ReferenceFolders, read_referenced};
 use crate::wear::WearScript;
 use crease_io::gltf::{embed_images, sidecar_name, write_worn_glb};
 use crease_io::{ReadOptions, Sidecar, read_asset, read_asset_with};
@@ -247,7 +247,7 @@ impl ReferenceReader {
                 "split it, or leave out what is not the garment",
             ));
         }
-        let bytes = self.folders.read(name, needed)?;
+        let bytes = read_referenced(&path, needed)?;
         self.left = self.left.saturating_sub(bytes.len() as u64);
         Ok(bytes)
     }

@@ -28,7 +28,7 @@ pub use garment_file::{GarmentFile, embed_asset_images, read_asset_file, referen
 pub use load::{Load, Save, load_body};
 pub use memory::{memory_of_earlier_run, transfer_source};
 pub use output::{Outputs, is_stream, output_name};
-pub use read::{STANDARD_STREAM, file_name, merge_errors, read_bytes, read_text};
+pub use read::{STANDARD_STREAM, file_name, folder_of, merge_errors, read_bytes, read_text};
 pub use ready_memory::{ready_memory, ready_memory_names};
 pub use reference::{ReferenceFolders, sidecar_path};
 pub use run_lock::RunLock;

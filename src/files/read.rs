@@ -22,6 +22,11 @@ pub fn file_name(path: &Path) -> String {
     if path == Path::new(STANDARD_STREAM) { "standard input".to_owned() } else { path.display().to_string() }
 }
 
+/// The folder of the file `path`; "." for a bare name.
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// Reads all bytes of a file, or of the standard input for `-`, which is kept for the life of the process: it can be read once
 /// only, and several options may name it.
 ///
@@ -32,13 +37,8 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
     if path == Path::new(STANDARD_STREAM) {
         return standard_input().map_err(|source| Error::File { file, source });
     }
-    let kind = std::fs::metadata(path).map_err(|source| unreadable(&file, source))?.file_type();
     // A pipe is what a shell makes of the output of a program.
-    if !kind.is_file() && !is_pipe(kind) {
-        return Err(irregular(file, kind));
-    }
-    let opened = File::open(path).map_err(|source| unreadable(&file, source))?;
-    read_limited(opened, &file, None)
+    read_limited(path, &file, |kind| kind.is_file() || is_pipe(kind), None)
 }
 
 /// Reads a regular file that another file names: all of it, or the first `needed` bytes.
@@ -46,18 +46,23 @@ pub fn read_bytes(path: &Path) -> Result<Vec<u8>> {
 /// # Errors
 /// Those of [`read_bytes`], and [`Error::Input`] if it is a pipe, too.
 pub fn read_regular(path: &Path, needed: Option<u64>) -> Result<Vec<u8>> {
-    let file = file_name(path);
     // Opening a pipe would wait for its writer.
-    let kind = std::fs::metadata(path).map_err(|source| unreadable(&file, source))?.file_type();
-    if !kind.is_file() {
-        return Err(irregular(file, kind));
-    }
-    let opened = File::open(path).map_err(|source| unreadable(&file, source))?;
-    read_limited(opened, &file, needed)
+    read_limited(path, &file_name(path), |kind| kind.is_file(), needed)
 }
 
-/// Reads `opened`, called `file`, to its end or to `needed` bytes; its length is checked before, where it has one.
-fn read_limited(opened: File, file: &str, needed: Option<u64>) -> Result<Vec<u8>> {
+/// Reads the file at `path`, called `file`, of a kind that `is_read`, to its end or to `needed` bytes; its length is checked before, where it
+/// has one.
+fn read_limited(
+    path: &Path,
+    file: &str,
+    is_read: impl Fn(FileType) -> bool,
+    needed: Option<u64>,
+) -> Result<Vec<u8>> {
+    let kind = std::fs::metadata(path).map_err(|source| unreadable(file, source))?.file_type();
+    if !is_read(kind) {
+        return Err(irregular(file, kind));
+    }
+    let opened = File::open(path).map_err(|source| unreadable(file, source))?;
     let failed = |source| Error::File { file: file.to_owned(), source };
     let length = opened.metadata().map_err(failed)?.len();
     let wanted = needed.map_or(length, |needed| needed.min(length));
@@ -93,7 +98,7 @@ fn too_long(file: &str) -> Error {
     Error::input(file, "", "longer than 4 GiB", "split it, or leave out what is not the garment")
 }
 
-fn irregular(file: String, kind: FileType) -> Error {
+fn irregular(file: &str, kind: FileType) -> Error {
     match kind.is_dir() {
         true => Error::input(file, "", "is a folder, not a file", "name the file in it"),
         false => Error::input(file, "", "is no regular file", "name a file"),

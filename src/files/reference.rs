@@ -99,15 +99,21 @@ impl ReferenceFolders {
     /// Reads the file called `name`: all of it, or the first `needed` bytes.
     ///
     /// # Errors
-    /// Those of [`Self::path_of`] and of [`read_regular`]. That of a missing file has no advice: the reader of the file that names it knows
-    /// where it belongs.
+    /// Those of [`Self::path_of`] and of [`read_referenced`].
     pub fn read(&self, name: &str, needed: Option<u64>) -> Result<Vec<u8>> {
-        let path = self.path_of(name)?;
-        if !path.exists() {
-            return Err(Error::input(file_name(&path), "", "there is no such file", ""));
-        }
-        read_regular(&path, needed)
+        read_referenced(&self.path_of(name)?, needed)
     }
+}
+
+/// Reads the file at `path`, which another names: all of it, or the first `needed` bytes.
+///
+/// # Errors
+/// Those of [`read_regular`]. That of a missing file has no advice: the reader of the file that names it knows where it belongs.
+pub(super) fn read_referenced(path: &Path, needed: Option<u64>) -> Result<Vec<u8>> {
+    if !path.exists() {
+        return Err(Error::input(file_name(path), "", "there is no such file", ""));
+    }
+    read_regular(path, needed)
 }
 
 #[cfg(test)]

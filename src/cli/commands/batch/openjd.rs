@@ -3,6 +3,7 @@
 
 use crate::commands::batch::jobs::Jobs;
 use crate::files::output::{Outputs, commit};
+use crease::internal::files::folder_of;
 use crease_model::error::Result;
 use serde_json::{Value, json};
 use std::path::Path;
@@ -36,8 +37,7 @@ fn template(jobs: &Jobs, path: &Path) -> Value {
     let mut parameter = json!({"name": "Jobs", "type": "PATH", "objectType": "FILE", "dataFlow": "IN",
         "description": "The job file, crease-batch/1."});
     // The default is relative to the folder of the template; without it the parameter is required.
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if let (Ok(folder), Some(name)) = (folder.canonicalize(), jobs.file.file_name())
+    if let (Ok(folder), Some(name)) = (folder_of(path).canonicalize(), jobs.file.file_name())
         && folder == jobs.folder
     {
         parameter["default"] = json!(name.to_string_lossy());
