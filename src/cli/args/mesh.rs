@@ -25,9 +25,16 @@ pub struct MeshArgs {
     /// Sew borders of the garment: join vertices on them up to this distance apart [mm] [default: only those in one place]
     #[arg(long, value_name = "MM", allow_negative_numbers = true, value_parser = positive)]
     weld: Option<f64>,
+    #[command(flatten)]
+    references: ReferenceArgs,
+}
+
+/// Where the files lie that a mesh file refers to.
+#[derive(Debug, Clone, Args)]
+pub struct ReferenceArgs {
     /// Folder besides that of a mesh file from which the file may read others: buffers, pictures, layers
     #[arg(long, value_name = "DIR")]
-    allow_folder: Option<PathBuf>,
+    pub allow_folder: Option<PathBuf>,
 }
 
 /// How the mesh file of a garment is read that becomes cloth.
@@ -59,7 +66,7 @@ impl MeshArgs {
             any_size: self.force_size,
             skip_damaged: false,
             weld_m: self.weld.map(|mm| 1e-3 * mm),
-            allow_folder: self.allow_folder.clone(),
+            allow_folder: self.references.allow_folder.clone(),
         }
     }
 }

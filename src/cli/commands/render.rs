@@ -4,6 +4,7 @@
 //! of the file. Coordinates of an OBJ, such as a frame of a bake, are in metres, y up.
 
 use crate::args::color_by::COLOR_BY;
+use crate::args::mesh::ReferenceArgs;
 use crate::args::values::{Choice, choice, png_path};
 use crate::files::output::{Outputs, commit};
 use crate::files::view_file::ViewFile;
@@ -50,9 +51,8 @@ pub struct Arguments {
     /// Draw N pictures around the garment, as one animated PNG
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..=999))]
     turntable: Option<u16>,
-    /// Folder besides that of a mesh file from which the file may read others: buffers, pictures, layers
-    #[arg(long, value_name = "DIR")]
-    allow_folder: Option<PathBuf>,
+    #[command(flatten)]
+    references: ReferenceArgs,
 }
 
 /// Values of `--view`.
@@ -75,7 +75,7 @@ const TURN_S: u16 = 4;
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new([arguments.worn.as_path()]);
     outputs.check(&arguments.output)?;
-    let view = ViewFile::read(&arguments.worn, arguments.allow_folder.as_deref())?.view;
+    let view = ViewFile::read(&arguments.worn, arguments.references.allow_folder.as_deref())?.view;
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
     let color_by = arguments.show;

@@ -1,6 +1,7 @@
 //! `crease view`: an interactive page of worn garments in one self-contained file.
 
 use crate::args::color_by::COLOR_BY;
+use crate::args::mesh::ReferenceArgs;
 use crate::args::values::{choice, html_path};
 use crate::files::input;
 use crate::files::output::{Outputs, commit};
@@ -38,16 +39,15 @@ pub struct Arguments {
     /// Maximum number of frames embedded; longer sequences are subsampled
     #[arg(long, alias = "most-frames", value_name = "N", default_value_t = 60, value_parser = clap::value_parser!(u16).range(1..=1000))]
     max_frames: u16,
-    /// Folder besides that of a mesh file from which the file may read others: buffers, pictures, layers
-    #[arg(long, value_name = "DIR")]
-    allow_folder: Option<PathBuf>,
+    #[command(flatten)]
+    references: ReferenceArgs,
 }
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new(arguments.worn.iter().map(PathBuf::as_path));
     outputs.check(&arguments.output)?;
-    let reading = ReadOptions { allow_folder: arguments.allow_folder, ..ReadOptions::default() };
+    let reading = ReadOptions { allow_folder: arguments.references.allow_folder, ..ReadOptions::default() };
     let allow_folder = reading.allow_folder.as_deref();
     let files =
         arguments.worn.iter().map(|path| ViewFile::read(path, allow_folder)).collect::<Result<Vec<_>>>()?;
