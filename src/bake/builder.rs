@@ -321,7 +321,7 @@ impl<'a> Bake<'a> {
         report.warn(relaxed.warnings);
         report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
         report.stages = seconds.named();
-        let end = reading.read(&mesh, &positions);
+        let end = reading.read(&mesh, &positions).points;
         let worn = WornGarment { displacement, memory };
         let on_mesh = WornGarment { displacement: relaxed.displacement, memory: rest };
         let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };

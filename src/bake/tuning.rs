@@ -272,6 +272,9 @@ pub(super) struct RelaxTuning {
 /// Layers kept apart where the garment's own triangles would cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct UncrossTuning {
+    /// Least distance by which layers that cross are moved apart in a round [m], default 8e-4: layers of thin cloth lie nearer than chords
+    /// over their folds reach.
+    pub min_gap: f64,
     /// Rounds at most, default 300: coarse triangles over a stack of many layers need most.
     pub max_rounds: usize,
     /// Rounds in which displacements are held back at most, default 60.
@@ -416,6 +419,7 @@ impl BakeTuning {
             surface_radius: 0.2,
         },
         uncross: UncrossTuning {
+            min_gap: 8e-4,
             max_rounds: 300,
             max_hold_back_rounds: 60,
             over_relaxation: 1.3,

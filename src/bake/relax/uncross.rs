@@ -21,14 +21,22 @@ use rustc_hash::FxHashSet;
 /// Reading of a simulated mesh at the points of the garment, without crossings of the garment's triangles.
 pub(crate) struct GarmentReading<'a> {
     garment: &'a Garment,
-    /// Distance at which layers are kept [m].
-    thickness: f64,
+    /// Distance by which layers that cross are moved apart in a round [m].
+    gap: f64,
     /// The triangles that are exported.
     exported: CrossingSurface<'a>,
     /// Those of the garment, if it is refined.
     refined: Option<CrossingSurface<'a>>,
     /// The body that it is worn on.
     body: Option<BodyBeside<'a>>,
+}
+
+/// A simulated shape read off at the points of the garment.
+pub(crate) struct ReadShape {
+    /// Positions of the garment's points [m].
+    pub points: Vec<Vec3>,
+    /// Pairs of exported triangles that cross there and do not in the source pose.
+    pub crossing_pairs: u64,
 }
 
 /// Triangles over the points of the garment.
@@ -130,7 +138,8 @@ impl<'a> GarmentReading<'a> {
             let own = beside.crossing(garment, &garment.points).into_iter().collect();
             BodyBeside { own, ..beside }
         });
-        Self { garment, thickness, exported, refined, body }
+        let gap = thickness.max(TUNING.uncross.min_gap);
+        Self { garment, gap, exported, refined, body }
     }
 
     /// Corners of triangles that cross one another or the body with the garment's points at `x` [m], and do not in the source pose.
@@ -159,12 +168,12 @@ impl<'a> GarmentReading<'a> {
         Some(ModelDecision { name: "body in result", on: true, why: why.into() })
     }
 
-    /// Positions of the garment's points [m] with the points of `mesh` at `x` [m], where no triangles that are exported cross.
-    pub fn read(&self, mesh: &SimulationMesh, x: &[Vec3]) -> Vec<Vec3> {
+    /// Shape of the garment with the points of `mesh` at `x` [m].
+    pub fn read(&self, mesh: &SimulationMesh, x: &[Vec3]) -> ReadShape {
         self.uncrossed(mesh.to_source(x), &self.exported, mesh, x)
     }
 
-    /// The positions `points` of the garment's points [m], moved to where no triangles of `surface` cross, with the points of `mesh` at
+    /// The positions `points` of the garment's points [m], moved apart where triangles of `surface` cross, with the points of `mesh` at
     /// `x` [m].
     fn uncrossed(
         &self,
@@ -172,13 +181,13 @@ impl<'a> GarmentReading<'a> {
         surface: &CrossingSurface,
         mesh: &SimulationMesh,
         x: &[Vec3],
-    ) -> Vec<Vec3> {
+    ) -> ReadShape {
         if mesh.is_source && surface.triangles == mesh.garment.triangles {
-            return points;
+            return ReadShape { points, crossing_pairs: 0 };
         }
         let mut crossing = surface.crossing(&points, None);
         if crossing.is_empty() {
-            return points;
+            return ReadShape { points, crossing_pairs: 0 };
         }
         let finder = SurfaceFinder::new(&mesh.garment);
         for _ in 0..TUNING.uncross.max_rounds {
@@ -200,7 +209,7 @@ impl<'a> GarmentReading<'a> {
                 break;
             }
         }
-        points
+        ReadShape { points, crossing_pairs: crossing.len() as u64 }
     }
 
     /// Displacement of the garment's points from the source pose [m] by `displacement` of the points of `mesh` [m]; wrinkles of the
@@ -215,7 +224,7 @@ impl<'a> GarmentReading<'a> {
         let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
         let mut points = mesh.carry(self.garment, &shape);
         for surface in self.refined.iter().chain([&self.exported]) {
-            points = self.uncrossed(points, surface, mesh, &shape);
+            points = self.uncrossed(points, surface, mesh, &shape).points;
         }
         let mut held = vec![false; points.len()];
         if !mesh.is_source || self.body.is_some() || self.refined.is_some() {
@@ -272,11 +281,10 @@ impl<'a> GarmentReading<'a> {
             interpolate(x, &mesh.garment.triangles, &at)
         };
         let apart = position(edge[0], &on_edge) - position(t[0], &on_face);
-        let length = apart.norm();
         let Some(direction) = apart.try_normalize(1e-9) else { return };
         let squares: f64 =
             (1.0 - weight).powi(2) + weight.powi(2) + weights.iter().map(|w| w * w).sum::<f64>();
-        let step = direction * (length.min(self.thickness) / squares);
+        let step = direction * (self.gap / squares);
         let mut add = |p: PointIndex, by: Vec3| {
             shift[p.at()].0 += by;
             shift[p.at()].1 += 1;

@@ -2,7 +2,7 @@
 
 use crate::bake::body::coupling::{StepRange, SteppedCloth};
 use crate::bake::plan::laid_out;
-use crate::bake::relax::uncross::GarmentReading;
+use crate::bake::relax::uncross::{GarmentReading, ReadShape};
 use crate::bake::run::checkpoint::{ActionProgress, CheckpointPosition};
 use crate::bake::run::frames::StepStart;
 use crate::bake::run::running_bake::Run;
@@ -401,15 +401,19 @@ fn towards(bend: f64, remembered: f64) -> f64 {
     bend.clamp(remembered.min(0.0), remembered.max(0.0))
 }
 
-/// Shows `mesh` with its points at `x` [m], or the garment if there is a `reading` of it.
+/// Shows `mesh` with its points at `x` [m], or the garment if there is a `reading` of it; returns the number of pairs of triangles that
+/// cross there.
 fn show_frame(
     observer: &mut dyn Observer,
     reading: Option<&GarmentReading>,
     mesh: &SimulationMesh,
     x: &[Vec3],
-) -> Result<()> {
+) -> Result<u64> {
     match reading {
-        Some(reading) => observer.frame(&reading.read(mesh, x)),
-        None => observer.frame(x),
+        Some(reading) => {
+            let ReadShape { points, crossing_pairs } = reading.read(mesh, x);
+            observer.frame(&points).map(|()| crossing_pairs)
+        }
+        None => observer.frame(x).map(|()| 0),
     }
 }

@@ -4,7 +4,7 @@ use crate::bake::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_geometry::mesh::intersections::self_intersections;
-use crease_model::error::Result;
+use crease_model::error::{Message, Result, Setting};
 use crease_solver::sim::State;
 use serde::{Deserialize, Serialize};
 
@@ -23,10 +23,15 @@ pub struct FrameSchedule {
     next: f64,
     /// Frames that the observer was given.
     pub shown: u64,
+    /// Those in which triangles cross.
+    pub crossing: u64,
+    /// Pairs of triangles that cross in one of them at most.
+    pub max_crossing_pairs: u64,
 }
 
-/// Receives the positions of a frame, one per point [m].
-pub(in crate::bake) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<()> + 'a;
+/// Receives the positions of a frame, one per point of the simulated mesh [m]; returns the number of pairs of triangles that cross in
+/// what is shown.
+pub(in crate::bake) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<u64> + 'a;
 
 /// The state from which a step started.
 pub(in crate::bake) struct StepStart {
@@ -40,7 +45,7 @@ impl FrameSchedule {
     /// A schedule of `per_second` frames per simulated second; of none for 0.
     pub(in crate::bake) fn new(per_second: f64) -> Self {
         let interval = if per_second > 0.0 { 1.0 / per_second } else { f64::INFINITY };
-        Self { interval, next: 0.0, shown: 0 }
+        Self { interval, next: 0.0, shown: 0, crossing: 0, max_crossing_pairs: 0 }
     }
 
     /// Whether there are to be frames.
@@ -98,10 +103,24 @@ impl FrameSchedule {
         Ok(())
     }
 
+    /// The warning that triangles cross in some frames; `None` if they cross in none.
+    pub(in crate::bake) fn warning(&self) -> Option<Message> {
+        let Self { crossing, shown, max_crossing_pairs, .. } = *self;
+        (crossing > 0).then(|| {
+            let what = format!(
+                "the garment's own triangles cross in {crossing} of {shown} frames (up to {max_crossing_pairs} pairs): they are too coarse \
+                 for its folds there; those of the simulated mesh do not cross ("
+            );
+            Message::from(what) + Setting::FramesOf.to("simulated") + ")"
+        })
+    }
+
     /// Shows one frame.
     pub(in crate::bake) fn show(&mut self, positions: &[Vec3], show: &mut ShowFrame) -> Result<()> {
-        show(positions)?;
+        let pairs = show(positions)?;
         self.shown += 1;
+        self.crossing += u64::from(pairs > 0);
+        self.max_crossing_pairs = self.max_crossing_pairs.max(pairs);
         Ok(())
     }
 }

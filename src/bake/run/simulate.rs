@@ -62,6 +62,7 @@ pub(in crate::bake) fn simulate(
     run.report.inside_body_reason = run.reason_inside_body();
     run.report.unconverged_reason = run.convergence.unconverged_reason(run.state.time);
     run.show_last_frame(observer)?;
+    run.report.warn(run.frames.warning());
     // The result has the shape of its file.
     run.stepper.cloth.membrane.set_rest_stretches(&[]);
     Ok(SimulationResult {
