@@ -92,6 +92,11 @@ pub trait ActionRunner {
         None
     }
 
+    /// What the action, at its end, did beyond what its script asks for; `None` for nothing.
+    fn notice(&self) -> Option<String> {
+        None
+    }
+
     /// Whether the action may end before its time because nothing moves any more.
     fn may_end_early(&self) -> bool {
         false

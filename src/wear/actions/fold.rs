@@ -204,6 +204,7 @@ impl WearAction for Fold {
                 angle: self.angle_deg.to_radians(),
             },
             over: self.over_s,
+            held_since: None,
             idle_loads: persistent.idle_loads(),
         })
     }
@@ -242,6 +243,8 @@ struct FoldRunner {
     record: FoldRecord,
     /// Duration of the turn [s].
     over: f64,
+    /// Time at which hands took hold of the flap again, since it sprang back when they let go [s].
+    held_since: Option<f64>,
     idle_loads: Loads,
 }
 
@@ -257,7 +260,15 @@ struct FlapPoint {
 
 impl FoldRunner {
     fn supports_itself(&self) -> bool {
-        self.record.angle > TUNING.fold.self_supporting_angle
+        self.record.angle > TUNING.fold.self_supporting_angle && self.held_since.is_none()
+    }
+
+    /// Takes hold of a flap that springs back, with the points at `x` [m] `t` seconds after the start.
+    fn hold_if_springing_back(&mut self, t: f64, x: &[Vec3]) {
+        let is_let_go = t > self.over * (1.0 + 1e-9) && self.supports_itself();
+        if is_let_go && self.turned_fraction(x).is_some_and(|turned| turned < TUNING.fold.min_kept_fraction) {
+            self.held_since = Some(t);
+        }
     }
 
     /// Fraction of its path that the flap has covered with the points at `x` [m], weighted with mass and path [-]; `None` for a
@@ -289,8 +300,9 @@ impl FoldRunner {
 }
 
 impl ActionRunner for FoldRunner {
-    fn loads_at(&mut self, t: f64, _x: &[Vec3]) -> Loads {
+    fn loads_at(&mut self, t: f64, x: &[Vec3]) -> Loads {
         let release_time = TUNING.fold.release_time;
+        self.hold_if_springing_back(t, x);
         let turning = t <= self.over * (1.0 + 1e-9);
         let grip = if turning || !self.supports_itself() {
             1.0
@@ -314,11 +326,13 @@ impl ActionRunner for FoldRunner {
             transient: grip < 1.0,
             fixed: if turning { self.fixed.clone() } else { Vec::new() },
             // The release slows down what was held.
-            drag: self.idle_loads.drag + if turning { 0.0 } else { TUNING.fold.release_drag * grip },
+            drag: self.idle_loads.drag + if grip < 1.0 { TUNING.fold.release_drag * grip } else { 0.0 },
             max_dt: if turning {
                 TUNING.fold.max_turn_per_step * self.over / (PEAK_RATE * self.record.angle)
-            } else {
+            } else if grip < 1.0 {
                 release_time / TUNING.fold.release_steps
+            } else {
+                f64::INFINITY
             },
             ..self.idle_loads.clone()
         }
@@ -330,7 +344,20 @@ impl ActionRunner for FoldRunner {
     }
 
     fn save_state(&self) -> Option<Value> {
-        Some(Value::Null)
+        Some(self.held_since.map_or(Value::Null, Value::from))
+    }
+
+    fn restore_state(&mut self, saved: &Value, _point_count: usize) -> bool {
+        self.held_since = saved.as_f64();
+        saved.is_null() || self.held_since.is_some()
+    }
+
+    fn notice(&self) -> Option<String> {
+        self.held_since.map(|_| {
+            "the flap springs back from so thick a stack when it is let go: it is held, as by hands, until it is opened or \
+             released"
+                .to_owned()
+        })
     }
 
     fn failure(&self, x: &[Vec3]) -> Option<ActionFailure> {
