@@ -1,9 +1,12 @@
 //! [`GarmentFile`]: a mesh file with the garment in it, and the worn garment written back into it.
 
+use crate::bake::{BakeResult, SimulatedGarment};
 use crate::files::read::{MAX_BYTES, file_name, read_bytes, refuse_gzip, write_bytes};
 use crate::files::reference::{ReferenceFolders, read_referenced};
 use crate::wear::WearScript;
-use crease_io::gltf::{embed_images, sidecar_name, write_worn_glb};
+use crease_io::gltf::{
+    DetailInput, FINE_EDGE, FlatNormals, embed_images, sidecar_name, write_fine_glb, write_worn_glb,
+};
 use crease_io::{ReadOptions, Sidecar, read_asset, read_asset_with};
 use crease_model::error::{Error, Message, Result};
 use crease_model::fabric::Fabric;
@@ -11,6 +14,7 @@ use crease_model::garment::{
     Garment, ImportDiagnostic, MeshOptions, Severity, SheetArrays, SourceAsset, WornGarment,
     content_warnings, sheet_arrays,
 };
+use crease_model::remesh::{GarmentSurface, WornSurface};
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::path::{Path, PathBuf};
@@ -137,6 +141,34 @@ impl GarmentFile {
     /// [`Error::Input`] if `worn` does not fit the garment, or the file has a construct that cannot be kept.
     pub fn to_glb_bytes(&self, worn: &WornGarment) -> Result<Vec<u8>> {
         write_worn_glb(&self.asset, &self.garment, worn, &Value::Null)
+    }
+
+    /// The file as .glb like [`GarmentFile::to_glb_bytes`], with vertices added along the creases and in the wrinkles of `result`, a bake
+    /// of this garment in `fabric`. The vertices of the file come first and stay as they are.
+    ///
+    /// ```
+    /// use crease::{Bake, Fabric, GarmentFile, Quality, WearScript};
+    /// let sheet = GarmentFile::sheet([0.2, 0.2], [2, 2])?;
+    /// let script = WearScript::parse("", r#"{"format": "crease-wear/1", "actions": [{"settle": {"for": 0.1}}]}"#)?;
+    /// let fabric = Fabric::preset("denim")?;
+    /// let result = Bake::new(&sheet.garment, &fabric, &script).quality(Quality::Draft).run()?;
+    /// assert!(sheet.to_fine_glb_bytes(&result, &fabric)?.starts_with(b"glTF"));
+    /// # Ok::<(), crease::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`GarmentFile::to_glb_bytes`].
+    pub fn to_fine_glb_bytes(&self, result: &BakeResult, fabric: &Fabric) -> Result<Vec<u8>> {
+        let SimulatedGarment { garment, worn } = &result.simulated;
+        let mesh = GarmentSurface::without_texture(garment);
+        let detail = DetailInput {
+            coarse: &self.garment,
+            displacement: &result.worn.displacement,
+            surface: &WornSurface::new(&mesh, worn, fabric.crease_width()),
+            flat_normals: FlatNormals::default(),
+        };
+        let glb = self.to_glb_bytes(&result.worn)?;
+        Ok(write_fine_glb(&glb, &self.asset, &detail, FINE_EDGE)?.glb)
     }
 
     /// Saves [`GarmentFile::to_glb_bytes`].

@@ -99,6 +99,15 @@ impl Outputs {
         Ok(())
     }
 
+    /// Names of the files in the order in which they were added, and their sizes [bytes].
+    pub fn sizes(&self) -> Vec<(String, u64)> {
+        let size = |pending: &PendingFile| match &pending.content {
+            Content::Temporary(file) => file.as_file().metadata().map_or(0, |data| data.len()),
+            Content::Direct(bytes) => bytes.len() as u64,
+        };
+        self.pending.iter().map(|pending| (file_name(&pending.target), size(pending))).collect()
+    }
+
     /// Renames all files to their final names. Returns the bytes for the standard output.
     pub fn commit(self) -> Result<Vec<u8>> {
         for PendingFile { target, content } in self.pending {

@@ -200,7 +200,7 @@ impl BakeJob {
         let sidecar = self.sidecar(&baked)?;
         let BakeResult { worn, simulated, report: work, .. } = baked;
         let width = self.input.fabric.crease_width();
-        let surface = self.record.output.detail.map(|_| {
+        let surface = self.record.output.shows_surface().then(|| {
             WornSurface::new(&GarmentSurface::without_texture(&simulated.garment), &simulated.worn, width)
         });
         let Self { record, input, frames, checkpoints, .. } = self;

@@ -24,7 +24,7 @@ mod transfer_job;
 pub use bake_input::{BakeSources, WearSource};
 pub use bake_job::{BakeJob, BakeJobOptions};
 pub use body_source::{BodyHold, BodyOptions};
-pub use garment_source::GarmentSource;
+pub use garment_source::{GarmentSource, ReadGarment};
 pub use memory_source::MemorySource;
 pub use motion_job::MotionJob;
 pub use observer::{JobNotice, JobObserver, JobPhase};

@@ -1,10 +1,11 @@
 //! Files that a job makes of a worn garment, and their paths.
 
 use crate::files::{GarmentFile, Outputs, is_stream};
-use crate::report::{DetailReport, Export, ExportCheck};
+use crate::report::{DetailReport, Export, ExportCheck, FineReport, WrittenFile};
 use crease_io::UsdFrames;
 use crease_io::gltf::{
-    DetailInput, FlatNormals, MapDepth, SourceShape, add_detail_map, apply_worn, write_worn_glb_with,
+    DetailInput, FINE_EDGE, FlatNormals, MapDepth, SourceShape, add_detail_map, apply_worn, write_fine_glb,
+    write_worn_glb_with,
 };
 use crease_model::error::Result;
 use crease_model::fabric::Fabric;
@@ -21,6 +22,8 @@ pub struct OutputOptions {
     pub shape: ShapeOptions,
     /// Normal maps of the worn surface.
     pub detail: Option<DetailOptions>,
+    /// Whether OUT.fine.glb is written: the garment with vertices added along creases and in wrinkles.
+    pub fine: bool,
     /// Files for other programs.
     pub exports: Vec<Export>,
     /// Whether OUT.png is drawn: the garment before and after.
@@ -63,8 +66,12 @@ pub struct DetailOptions {
 pub struct WrittenFiles {
     /// One entry per detail map.
     pub detail_maps: Vec<DetailReport>,
+    /// The finer mesh.
+    pub fine: Option<FineReport>,
     /// Checks of the exported files.
     pub exports: Vec<ExportCheck>,
+    /// All files but the report, and their sizes.
+    pub files: Vec<WrittenFile>,
     /// Warnings about them.
     pub warnings: Vec<String>,
 }
@@ -81,6 +88,30 @@ impl ShapeOptions {
             Some(source) => apply_worn(file, &glb, source),
             None => Ok(glb),
         }
+    }
+
+    /// Returns `worn` as OUT.fine.glb, `file` in messages, and its size: the garment with vertices added along creases and in wrinkles.
+    ///
+    /// # Errors
+    /// Those of [`Self::glb`].
+    pub fn fine_glb(
+        self,
+        file: &str,
+        mesh: &GarmentFile,
+        worn: &WornGarment,
+        detail: &DetailInput,
+    ) -> Result<(Vec<u8>, FineReport)> {
+        // The sidecar has other vertices, and is not named.
+        let glb = self.worn_glb(mesh, worn, &json!({ "crease": {} }))?;
+        let detail = DetailInput { flat_normals: self.flat_normals, ..*detail };
+        let fine = write_fine_glb(&glb, &mesh.asset, &detail, FINE_EDGE)?;
+        let report = FineReport {
+            file: file.to_owned(),
+            vertices: fine.vertices,
+            triangles: fine.triangles,
+            crossings: fine.crossings,
+        };
+        Ok((self.applied(file, fine.glb)?, report))
     }
 
     /// Returns `worn` as .glb, with `extras` in its worn meshes.
@@ -138,6 +169,11 @@ fn last_name(path: &Path) -> Option<String> {
 }
 
 impl OutputOptions {
+    /// Whether an output is sampled from the worn surface.
+    pub fn shows_surface(&self) -> bool {
+        self.detail.is_some() || self.fine
+    }
+
     /// Kinds and paths of the exported files that go beside `worn`, without duplicates.
     fn export_paths(&self, worn: &Path) -> Vec<(Export, PathBuf)> {
         let mut paths: Vec<(Export, PathBuf)> = Vec::new();
@@ -152,6 +188,9 @@ impl OutputOptions {
     /// Checks that all files beside those of `paths` can be written.
     pub(super) fn check(&self, paths: &WornPaths, outputs: &Outputs) -> Result<()> {
         paths.paths().try_for_each(|path| outputs.check(path))?;
+        if self.fine {
+            outputs.check(&paths.fine())?;
+        }
         self.export_paths(&paths.worn).iter().try_for_each(|(_, path)| outputs.check(path))?;
         #[cfg(feature = "render")]
         if self.preview {
@@ -214,6 +253,11 @@ impl WornPaths {
     /// Path of the preview picture, OUT.png.
     pub fn preview(&self) -> PathBuf {
         self.worn.with_extension("png")
+    }
+
+    /// Path of the finer mesh, OUT.fine.glb.
+    pub fn fine(&self) -> PathBuf {
+        self.worn.with_extension("fine.glb")
     }
 
     /// Path of the checkpoint, OUT.checkpoint; `None` beside the standard output.

@@ -10,7 +10,7 @@ use crate::job::output_options::{FrameOptions, OutputOptions, WornPaths, Written
 use crate::report::render::{Camera, encode_png};
 #[cfg(feature = "render")]
 use crate::report::{ColorBy, GarmentView};
-use crate::report::{Export, Report, TransferReport};
+use crate::report::{Export, Report, TransferReport, WrittenFile};
 use crease_geometry::math::Vec3;
 use crease_io::gltf::DetailInput;
 use crease_io::{Sidecar, UsdFrames, read_shape_obj, write_sidecar_to};
@@ -108,6 +108,8 @@ impl<R: JobReport> JobOutputs<R> {
             _ => WrittenFiles::default(),
         };
         self.report.warnings().append(&mut written.warnings);
+        let sizes = files.as_ref().map_or_else(Vec::new, |files| files.outputs.sizes());
+        written.files = sizes.into_iter().map(|(file, bytes)| WrittenFile { file, bytes }).collect();
         let JobRecord { read_s, started, computed, .. } = &self.record;
         let write_s = if self.worn.is_some() { computed.elapsed().as_secs_f64() } else { 0.0 };
         self.report.finish(written, [*read_s, write_s, started.elapsed().as_secs_f64()]);
@@ -130,24 +132,25 @@ impl<R: JobReport> JobOutputs<R> {
         let (options, ReadGarment { mesh, .. }) = (&self.record.output, &self.garment);
         let mut written = WrittenFiles::default();
         let mut glb = options.shape.worn_glb(mesh, worn, &paths.extras())?;
+        let fine = match options.fine {
+            true => {
+                let path = paths.fine();
+                let name = output_name(&path);
+                let (fine, report) = options.shape.fine_glb(&name, mesh, worn, &self.detail_input(worn))?;
+                written.fine = Some(report);
+                Some((path, fine))
+            }
+            false => None,
+        };
         if let Some(maps) = options.detail {
-            let surface = self.surface.get_or_init(|| {
-                WornSurface::new(
-                    &GarmentSurface::without_texture(&mesh.garment),
-                    worn,
-                    self.fabric.crease_width(),
-                )
-            });
-            let detail = DetailInput {
-                coarse: self.garment.coarse(),
-                displacement: &worn.displacement,
-                surface,
-                flat_normals: options.shape.flat_normals,
-            };
+            let detail = self.detail_input(worn);
             glb = maps.add(&paths.worn, outputs, &mut written, &mesh.asset, &detail, glb)?;
         }
         let name = output_name(&paths.worn);
         outputs.add(&paths.worn, &options.shape.applied(&name, glb)?)?;
+        if let Some((path, fine)) = fine {
+            outputs.add(&path, &fine)?;
+        }
         if let Some(path) = &paths.sidecar {
             outputs.add_written(path, &|out| write_sidecar_to(sidecar, out))?;
         }
@@ -161,6 +164,27 @@ impl<R: JobReport> JobOutputs<R> {
         let frames = frames.as_ref().map(|(rate, frames)| UsdFrames { rate: *rate, positions: &frames[..] });
         written.exports = options.add_exports(&paths.worn, outputs, mesh, worn, &self.fabric, frames)?;
         Ok(written)
+    }
+
+    /// The garment on the mesh of its file, and the surface of what was worn.
+    fn detail_input<'a>(&'a self, worn: &'a WornGarment) -> DetailInput<'a> {
+        let surface = self.surface.get_or_init(|| {
+            let mesh = GarmentSurface::without_texture(&self.garment.mesh.garment);
+            WornSurface::new(&mesh, worn, self.fabric.crease_width())
+        });
+        DetailInput {
+            coarse: self.garment.coarse(),
+            displacement: &worn.displacement,
+            surface,
+            flat_normals: self.record.output.shape.flat_normals,
+        }
+    }
+
+    /// Takes what was worn as a surface; `None` if there is no worn garment.
+    pub fn take_surface(&mut self) -> Option<WornSurface> {
+        let (worn, _) = self.worn.as_ref()?;
+        self.detail_input(worn);
+        self.surface.take()
     }
 
     /// Frames for a USD scene: their rate [1/s], and positions per frame and vertex [m].
@@ -197,6 +221,7 @@ impl JobReport for Report {
 
     fn finish(&mut self, files: WrittenFiles, [read_s, write_s, wall_s]: [f64; 3]) {
         (self.detail_maps, self.exports) = (files.detail_maps, files.exports);
+        (self.fine, self.files) = (files.fine, files.files);
         self.stages.add("read", read_s);
         self.stages.add("write", write_s);
         self.wall_s = wall_s;
@@ -214,6 +239,7 @@ impl JobReport for TransferReport {
 
     fn finish(&mut self, files: WrittenFiles, [_, _, wall_s]: [f64; 3]) {
         (self.detail_maps, self.exports, self.wall_s) = (files.detail_maps, files.exports, wall_s);
+        (self.fine, self.files) = (files.fine, files.files);
     }
 
     fn json(&self) -> String {

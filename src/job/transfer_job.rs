@@ -88,9 +88,9 @@ impl TransferJob {
             sources: carried_sources(&input.sources, &carried),
             ..TransferReport::of_transfer(&carried, &surface)
         };
-        let surface = match record.output.detail {
-            Some(_) => input.worn_surface(&carried, on_mesh)?,
-            None => None,
+        let surface = match record.output.shows_surface() {
+            true => input.worn_surface(&carried, on_mesh)?,
+            false => None,
         };
         let sidecar = input.sidecar(&worn, &carried, &report)?;
         let TransferInput { target, fabric, .. } = input;

@@ -2,6 +2,7 @@
 
 mod detail_report;
 mod export;
+mod fine_report;
 #[cfg(feature = "render")]
 mod focus;
 #[cfg(feature = "render")]
@@ -17,6 +18,7 @@ mod viewer;
 
 pub use detail_report::DetailReport;
 pub use export::{Export, ExportCheck, ExportFile};
+pub use fine_report::{FineReport, WrittenFile};
 #[cfg(feature = "render")]
 pub use garment_view::{ColorBy, GarmentView, PointMemory};
 pub use html::escaped;

@@ -6,6 +6,7 @@
 use crate::bake::{BakeReport, BakeResult, ModelDecision};
 use crate::report::detail_report::DetailReport;
 use crate::report::export::ExportCheck;
+use crate::report::fine_report::{FineReport, WrittenFile};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::error::Vocabulary;
@@ -63,6 +64,12 @@ pub struct Report {
     /// Normal maps of fine wrinkles; omitted if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail_maps: Vec<DetailReport>,
+    /// Finer mesh of `--fine`; omitted if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fine: Option<FineReport>,
+    /// Files that were written beside the report, with their sizes; omitted if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<WrittenFile>,
 }
 
 /// End of a run before the end of its script.

@@ -4,6 +4,7 @@
 
 use crate::report::detail_report::DetailReport;
 use crate::report::export::ExportCheck;
+use crate::report::fine_report::{FineReport, WrittenFile};
 use crate::transfer::{RegionConfidence, TransferLosses, TransferResult, mean_confidence};
 use crease_model::remesh::GarmentSurface;
 use schemars::JsonSchema;
@@ -37,6 +38,12 @@ pub struct TransferReport {
     /// Normal maps of fine wrinkles; omitted if there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub detail_maps: Vec<DetailReport>,
+    /// Finer mesh of `--fine`; omitted if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fine: Option<FineReport>,
+    /// Files that were written beside the report, with their sizes; omitted if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub files: Vec<WrittenFile>,
     /// Files of `--export`, compared after reading them back; omitted if there are none.
     #[serde(default, rename = "also", alias = "exports", skip_serializing_if = "Vec::is_empty")]
     pub exports: Vec<ExportCheck>,

@@ -1,11 +1,11 @@
-//! `--resolution` and `--detail-map`: a garment refined beyond its file, and normal maps of the worn surface.
+//! `--resolution`, `--detail-map` and `--fine`: a garment refined beyond its file, normal maps and a finer mesh of the worn surface.
 
 use crate::args::values::{Choice, choice, positive};
 use clap::builder::RangedU64ValueParser;
 use crease::internal::job::DetailOptions;
 use crease_io::gltf::{DETAIL_MAP_SIZES, MapDepth};
 
-/// Resolution and detail maps.
+/// Resolution, detail maps, and the finer mesh.
 #[derive(Debug, Clone, clap::Args)]
 pub struct RefineArgs {
     /// Refine the mesh to about this edge length [mm] (on a body: where the body can move it); the vertices of the file
@@ -24,6 +24,10 @@ pub struct RefineArgs {
         value_parser = side()
     )]
     detail_map: Option<u64>,
+    /// Also write OUT.fine.glb: the garment with vertices added along creases and in wrinkles, edges of about 4 mm there, which shows the
+    /// worn surface without a map; the vertices of the file come first and stay as they are
+    #[arg(long, help_heading = "Output")]
+    pub fine: bool,
     /// Bits per channel of the normal map
     #[arg(long, help_heading = "Output", value_name = "BITS", value_parser = choice(&DEPTHS), default_value = "8", requires = "detail_map")]
     normal_map_bits: MapDepth,

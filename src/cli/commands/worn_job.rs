@@ -9,6 +9,7 @@ use crate::runtime::progress::{Progress, StepProgress};
 use crate::runtime::wording::ToolWords;
 use crease::internal::bake::{BakeProgress, Observer};
 use crease::internal::job::{JobNotice, JobObserver, JobOutputs, JobPhase, JobReport, OutputOptions};
+use crease::internal::report::{FineReport, WrittenFile};
 use crease_model::error::{Error, Result, Vocabulary};
 
 /// Checks that nothing is asked for that needs a place beside a garment that goes to the standard output; `json` is the report.
@@ -20,6 +21,7 @@ pub fn check_stream(output: &OutputOptions, json: bool) -> Result<()> {
         ("--json", json),
         ("--preview", output.preview),
         ("--export", !output.exports.is_empty()),
+        ("--fine", output.fine),
         ("--height-map", output.detail.is_some_and(|detail| detail.height_map)),
     ];
     beside.iter().find(|(_, is_given)| *is_given).map_or(Ok(()), |(option, _)| Err(beside_stream(option)))
@@ -108,6 +110,21 @@ pub fn finish<R: JobReport>(
         console::data(&outputs.report.json())?;
     }
     outputs.failure.map_or(Ok(()), Err)
+}
+
+/// Prints the sizes of the `files` of a run.
+pub fn print_files(files: &[WrittenFile], fine: Option<&FineReport>) {
+    if let Some(fine) = fine {
+        let FineReport { file, vertices, triangles, crossings } = fine;
+        console::message(&format!(
+            "{file}: {vertices} vertices, {triangles} triangles; {crossings} crossings"
+        ));
+    }
+    let size = |file: &WrittenFile| format!("{} {:.1} MB", file.file, file.bytes as f64 / 1e6);
+    let sizes: Vec<String> = files.iter().map(size).collect();
+    if !sizes.is_empty() {
+        console::message(&format!("written: {}", sizes.join(", ")));
+    }
 }
 
 fn print_warning(text: &str) {

@@ -28,6 +28,11 @@ impl SurfaceWalk {
         Self { rings: triangles.iter().map(ring).collect() }
     }
 
+    /// Triangle `f` and all that have a point in common with it, sorted.
+    pub fn around(&self, f: u32) -> &[u32] {
+        &self.rings[f as usize]
+    }
+
     /// The triangle closest to `x` [m] that is reached from `start` over ever closer neighbours; `points` and `triangles` are those of
     /// the surface.
     pub fn closest(&self, points: &[Vec3], triangles: &[[PointIndex; 3]], start: u32, x: &Vec3) -> u32 {

@@ -10,6 +10,8 @@ use crease_model::error::{Error, Result};
 use crease_model::garment::{GlbChunk, GltfDocument};
 use serde_json::{Map, Value, json};
 
+/// Component type of 16-bit unsigned integers.
+const UNSIGNED_SHORT: u32 = 5123;
 /// Component type of 32-bit unsigned integers.
 const UNSIGNED_INT: u32 = 5125;
 /// Component type of 32-bit floats.
@@ -185,6 +187,16 @@ impl Appender {
     /// Appends numbers; returns the accessor's index.
     pub(super) fn scalars(&mut self, values: &[f32], purpose: Purpose) -> usize {
         self.vectors(values.as_chunks::<1>().0, purpose)
+    }
+
+    /// Appends joints of vertices; returns the accessor's index.
+    pub(super) fn joints(&mut self, rows: &[[u16; 4]]) -> usize {
+        let bytes = rows.iter().flatten().flat_map(|x| x.to_le_bytes()).collect();
+        let view = self.view(bytes, Some(ARRAY_BUFFER));
+        self.push(
+            "accessors",
+            json!({"bufferView": view, "componentType": UNSIGNED_SHORT, "count": rows.len(), "type": "VEC4"}),
+        )
     }
 
     /// Appends bytes that are no numbers, such as a picture; returns the view's index.

@@ -12,6 +12,7 @@ mod container;
 mod contents;
 mod detail;
 mod embed;
+mod fine;
 mod flat_shading;
 mod json_cursor;
 mod meshopt;
@@ -39,6 +40,7 @@ pub use container::{is_glb, join_glb, split_glb};
 pub use contents::file_contents;
 pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, MapDepth, add_detail_map};
 pub use embed::{embed_images, image_bytes};
+pub use fine::{FINE_EDGE, FineOutput, write_fine_glb};
 pub use flat_shading::FlatNormals;
 pub use names::{
     FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, REST_ANGLE_DEG_ATTRIBUTE, STIFFNESS_ATTRIBUTE,

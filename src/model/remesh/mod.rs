@@ -11,6 +11,7 @@
 //! Knows no script and no fabric: `bake::choose_mesh` says which lines and lengths a wear asks for.
 
 mod carry;
+mod fine_mesh;
 mod hinge_chains;
 mod improve;
 mod refine;
@@ -26,6 +27,7 @@ pub use carry::{
     StretchDelta, WeightedSum, prolongate, resample, resolved_memory, restrict, smallest_rotation,
     texture_gradient, warp_direction,
 };
+pub use fine_mesh::{FileMesh, FileTriangle, FineMesh, FinePoint, FineVertex};
 pub use hinge_chains::HingeChain;
 pub use improve::improve;
 pub use refine::Refinement;
@@ -33,7 +35,7 @@ pub use simulation_mesh::SimulationMesh;
 pub use sizing::{Seed, SizeField};
 pub use surface_finder::SurfaceFinder;
 pub use surface_mesh::{Curve, CutPoint, SurfaceMesh, SurfacePoint, interpolate};
-pub use worn_surface::{WornPlace, WornSurface};
+pub use worn_surface::{CreaseDistances, NearCrease, WornPlace, WornSurface};
 
 impl SurfaceMesh<'_> {
     /// The mesh as it is, to simulate on.

@@ -66,6 +66,27 @@ pub(super) struct RemeshTuning {
     pub smoothing_rounds: usize,
     /// Fraction of the way to the centroid that a point moves per round [-], default 0.7.
     pub relaxation: f64,
+    /// Distance from the middle of a crease up to which it is known, at least [m], default 8e-3.
+    pub fine_reach: f64,
+    /// Length of an edge of the finer mesh above which it is halved, relative to the wanted one [-], default 1.5.
+    pub fine_split_ratio: f64,
+    /// Largest distance of the worn surface from an edge of the finer mesh that is not halved [m], default 2.5e-4.
+    pub max_fine_deviation: f64,
+    /// Largest difference of the turn of the worn surface from that between the ends of such an edge [-], default 0.07: 3 degrees.
+    pub max_fine_turn: f64,
+    /// Distance of a line of a crease from the end of an edge below which it goes through the end, relative to half of the width of the
+    /// crease [-], default 0.2.
+    pub fine_snap: f64,
+    /// Pieces of the middle of a crease that are tried for one edge, default 4.
+    pub max_fine_tries: usize,
+    /// Halvings of the interval in which a border crosses an edge, default 20.
+    pub fine_bisections: usize,
+    /// Rounds in which triangles that intersect are moved back, default 16.
+    pub max_fine_rounds: usize,
+    /// Part of the way to the worn surface below which a point that moves back is moved to the end [-], default 0.2.
+    pub min_fine_part: f64,
+    /// Points of a finer mesh, at most, default 2,000,000.
+    pub max_fine_points: usize,
     /// Spacing of the seeds of a size field relative to the length there [-], default 0.3.
     pub seed_spacing: f64,
 }
@@ -103,5 +124,15 @@ pub(super) const TUNING: RemeshTuning = RemeshTuning {
     rounds_before_moves: 3,
     smoothing_rounds: 10,
     relaxation: 0.7,
+    fine_reach: 8e-3,
+    fine_split_ratio: 1.5,
+    max_fine_deviation: 2.5e-4,
+    max_fine_turn: 0.07,
+    fine_snap: 0.2,
+    max_fine_tries: 4,
+    fine_bisections: 20,
+    max_fine_rounds: 16,
+    min_fine_part: 0.2,
+    max_fine_points: 2_000_000,
     seed_spacing: 0.3,
 };

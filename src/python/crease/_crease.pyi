@@ -102,13 +102,23 @@ class Worn:
     @property
     def failure(self) -> Optional[str]:
         """Reason why the tool would end with exit code 3: an action that did not take place, no equilibrium, or no memory."""
-    def to_glb(self, *, apply: bool = False, unworn: bool = True, keep_normals: bool = False) -> bytes:
+    def to_glb(
+        self, *, apply: bool = False, unworn: bool = True, keep_normals: bool = False, fine: bool = False
+    ) -> bytes:
         """The file with the wear as morph target `worn`, or with `apply` as its base shape; the shape before is then the morph target
         `unworn`, unless that is False. `keep_normals` rotates the normals of flat-shaded vertices with the wear instead of making
-        them smooth."""
-    def save(self, path: _Path, *, apply: bool = False, unworn: bool = True, keep_normals: bool = False) -> None:
-        """Writes the file of `to_glb`, whose name ends in .glb, and the sidecar NAME.crease.json beside it. The file that was read is
-        never overwritten."""
+        them smooth. `fine` adds vertices along creases and in wrinkles; those of the file come first."""
+    def save(
+        self,
+        path: _Path,
+        *,
+        apply: bool = False,
+        unworn: bool = True,
+        keep_normals: bool = False,
+        fine: bool = False,
+    ) -> None:
+        """Writes the file of `to_glb`, whose name ends in .glb, and the sidecar NAME.crease.json beside it; with `fine` also NAME.fine.glb.
+        The file that was read is never overwritten."""
 
 @final
 class MemoryState:

@@ -112,7 +112,8 @@ pub fn bake(
         resume: false,
         checkpoint_interval: Duration::MAX,
         sidecar_of_simulated: true,
-        output: OutputOptions::default(),
+        // The worn surface, for the finer mesh; no file is written without a path.
+        output: OutputOptions { fine: true, ..OutputOptions::default() },
     };
     let mut reporter = Reporter { call: progress, last: Instant::now(), failure: None, stop: false };
     let outcome = py.detach(|| BakeJob::read(options)?.run(&mut reporter));

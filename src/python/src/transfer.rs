@@ -90,7 +90,7 @@ pub fn transfer(
         fabric,
         landmarks: None,
         transfer,
-        output: OutputOptions::default(),
+        output: OutputOptions { fine: true, ..OutputOptions::default() },
     };
     PyWorn::new(py.detach(|| job.run(&mut PythonWords)).map_err(exception)?)
 }

@@ -179,6 +179,7 @@ impl Arguments {
             path: self.output,
             shape: self.apply.shape(),
             detail: self.refine.detail(),
+            fine: self.refine.fine,
             exports: self.export.export,
             preview: self.preview,
         };

@@ -16,7 +16,7 @@ mod references;
 mod surface;
 mod tangents;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 mod texels;
 
 pub use input::DetailInput;
@@ -218,7 +218,7 @@ impl Maps<'_> {
 }
 
 /// Reads the worn file again; its worn vertices are those of the garment.
-fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<SourceAsset> {
+pub(super) fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<SourceAsset> {
     // The worn file of an OBJ is in metres, y up; that of a glTF in the unit of its source.
     let is_gltf = asset.document.is_some();
     let options = ReadOptions {
@@ -238,7 +238,7 @@ fn read_back(glb: &[u8], asset: &SourceAsset, detail: &DetailInput) -> Result<So
         true => Ok(worn),
         false => {
             let message = "the worn file and the garment are not of one mesh";
-            Err(Error::input(&asset.file, "detail map", message, "use what was made of this file"))
+            Err(Error::input(&asset.file, "worn surface", message, "use what was made of this file"))
         }
     }
 }

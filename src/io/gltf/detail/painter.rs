@@ -4,7 +4,6 @@ use crate::gltf::detail::input::DetailInput;
 use crate::gltf::detail::material::TextureTransform;
 use crate::gltf::detail::surface::ShownSurface;
 use crate::gltf::detail::texels::{TexelSample, Texels};
-use crate::gltf::flat_shading::{FlatNormals, SmoothShape, flat_vertices};
 use crease_geometry::math::{Mat3, Vec3};
 use crease_geometry::mesh::PointIndex;
 use rustc_hash::FxHashMap;
@@ -55,13 +54,15 @@ impl<'a> Painter<'a> {
             }
             Some(SurfaceCorners { surface: s, vertices: corners })
         });
-        let unworn = surfaces.iter().map(|surface| unworn_normals(detail, surface)).collect();
+        let unworn = surfaces
+            .iter()
+            .map(|surface| detail.unworn_normals(surface.points, &surface.unworn, &surface.piece.triangles));
         Self {
             detail,
             surfaces,
             corners: corners.collect(),
             starts: detail.surface.starts(detail.coarse),
-            unworn,
+            unworn: unworn.collect(),
         }
     }
 
@@ -113,21 +114,4 @@ impl<'a> Painter<'a> {
                 .then(|| TexelSample { direction, height_m: n.dot(&(place.position - blend(&after, &b))) })
         });
     }
-}
-
-/// Unit normals before the wear that the wear turns into those shown after it, one per vertex of `surface`: those of the file, but smooth
-/// ones where the worn file has smooth ones in place of flat-shaded ones.
-fn unworn_normals(detail: &DetailInput, surface: &ShownSurface) -> Vec<Vec3> {
-    if detail.flat_normals != FlatNormals::Smoothed {
-        return surface.unworn.clone();
-    }
-    let DetailInput { coarse, displacement, .. } = detail;
-    let smooth = SmoothShape::new(&coarse.points, &coarse.points, &coarse.triangles);
-    let flat = flat_vertices(coarse, surface.points, &surface.unworn, &surface.piece.triangles);
-    let normal = |(v, own): (usize, &Vec3)| {
-        let p = surface.points[v];
-        let is_smoothed = flat[v] && displacement[p.at()] != Vec3::zeros();
-        is_smoothed.then(|| smooth.normal(p, *own)).flatten().unwrap_or(*own)
-    };
-    surface.unworn.iter().enumerate().map(normal).collect()
 }

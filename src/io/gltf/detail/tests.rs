@@ -14,7 +14,7 @@ use std::fmt::Write;
 
 /// Quads a side of the coarse sheet, and its side [m].
 const QUADS: usize = 6;
-const SIDE: f64 = 0.3;
+pub(in crate::gltf) const SIDE: f64 = 0.3;
 
 /// A level sheet in two islands of texture space, the second turned by a quarter, with a seam between the two halves.
 fn sheet() -> SourceAsset {
@@ -246,7 +246,7 @@ fn parts_that_do_not_belong_together_are_rejected() {
 }
 
 /// A sheet with edges of some 20 mm, one of them along the line through the middle at `angle` [rad], bent there by 90 degrees.
-fn creased_sheet(angle: f64) -> (SourceAsset, Garment, WornGarment, WornSurface) {
+pub(in crate::gltf) fn creased_sheet(angle: f64) -> (SourceAsset, Garment, WornGarment, WornSurface) {
     let asset = sheet();
     let coarse = Garment::from_asset(&asset).unwrap().0;
     let (centre, along) = (Vec3::new(0.5 * SIDE, 0.0, 0.5 * SIDE), Vec3::new(angle.cos(), 0.0, angle.sin()));

@@ -10,8 +10,11 @@
 //! place of the source surface -> triangle of the mesh -> rotation, over the width of a crease between those of its sides (here)
 //! ```
 
+mod crease_distance;
 mod crease_edges;
 mod panels;
+
+pub use crease_distance::{CreaseDistances, NearCrease};
 
 use crate::garment::{Garment, WornGarment};
 use crate::remesh::GarmentSurface;
@@ -124,14 +127,20 @@ impl WornSurface {
 
     /// The worn place of the place `source` of the source surface [m], searched along the surface from triangle `start` of the mesh.
     pub fn at(&self, start: u32, source: &Vec3) -> WornPlace {
-        let face = self.walk.closest(&self.points, &self.triangles, start, source);
-        let t = &self.triangles[face as usize];
-        let at = SurfacePoint { face, weights: clamped_weights(source, &corners(&self.points, t)) };
-        let [from, to] = [&self.points, &self.worn].map(|points| interpolate(points, &self.triangles, &at));
+        let (at, from) = self.locate(start, source);
+        let to = interpolate(&self.worn, &self.triangles, &at);
         let turn = self.turn_at(&at, &from);
         let beside = source - from;
         let turned = (turn * beside).try_normalize(0.0).map_or(beside, |unit| unit * beside.norm());
-        WornPlace { face, position: to + turned, turn }
+        WornPlace { face: at.face, position: to + turned, turn }
+    }
+
+    /// The place of the mesh closest to `source` [m], searched from triangle `start`, and its position before the wear [m].
+    fn locate(&self, start: u32, source: &Vec3) -> (SurfacePoint, Vec3) {
+        let face = self.walk.closest(&self.points, &self.triangles, start, source);
+        let t = &self.triangles[face as usize];
+        let at = SurfacePoint { face, weights: clamped_weights(source, &corners(&self.points, t)) };
+        (at, interpolate(&self.points, &self.triangles, &at))
     }
 
     /// The turn at `at`, a place at `x` of the mesh [m].
