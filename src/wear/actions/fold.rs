@@ -263,10 +263,11 @@ impl FoldRunner {
         self.record.angle > TUNING.fold.self_supporting_angle && self.held_since.is_none()
     }
 
-    /// Takes hold of a flap that springs back, with the points at `x` [m] `t` seconds after the start.
+    /// Takes hold of a flap that was turned over and springs back, with the points at `x` [m] `t` seconds after the start.
     fn hold_if_springing_back(&mut self, t: f64, x: &[Vec3]) {
         let is_let_go = t > self.over * (1.0 + 1e-9) && self.supports_itself();
-        if is_let_go && self.turned_fraction(x).is_some_and(|turned| turned < TUNING.fold.min_kept_fraction) {
+        let springing_back = TUNING.failure.min_turned_fraction..TUNING.fold.min_kept_fraction;
+        if is_let_go && self.turned_fraction(x).is_some_and(|turned| springing_back.contains(&turned)) {
             self.held_since = Some(t);
         }
     }
@@ -492,5 +493,34 @@ mod tests {
         let [lay, laid] = [Vec::new(), vec![PlaneStretch::of_axes(&Vec3::x(), &Vec3::y(), 0.2)]].map(loads);
         assert_eq!(lay.pressed.iter().filter(|pressed| **pressed).count(), 4);
         assert!(laid.pressed.iter().all(|pressed| *pressed) && laid.pressure < lay.pressure);
+    }
+
+    /// A flap that springs back half open when it is let go is held from there on, also after the action, and the run says so.
+    #[test]
+    fn a_flap_that_springs_back_is_held() {
+        let x: Vec<Vec3> =
+            [[0.0, 0.0], [0.4, 0.0], [0.0, -0.4], [0.4, -0.4]].map(|[x, z]| Vec3::new(x, 1e-3, z)).to_vec();
+        let context = context(&x, &[1e-3; 4]);
+        let frame = Some(GarmentFrame::lying(&x));
+        let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
+        let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
+        let fold = Fold { line, angle_deg: 180.0, side: FoldSide::Right, ..Fold::example() };
+        let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
+        let flap_at = |x: f64, y: f64| {
+            let flap = [0.0, -0.4].map(|z| Vec3::new(x, y, z));
+            vec![Vec3::new(0.0, 1e-3, 0.0), flap[0], Vec3::new(0.0, 1e-3, -0.4), flap[1]]
+        };
+        let turned = flap_at(0.0, 3e-3);
+        assert!(!runner.loads_at(fold.over_s, &turned).springs.is_empty());
+        let later = fold.over_s + 3.0 * TUNING.fold.release_time;
+        assert!(runner.loads_at(later, &turned).springs.is_empty() && runner.notice().is_none());
+        let sprung_back = flap_at(0.03, 0.1);
+        assert!(!runner.loads_at(later, &sprung_back).springs.is_empty());
+        assert!(runner.notice().is_some_and(|notice| notice.contains("held")));
+        let saved = runner.save_state().expect("can be saved");
+        let mut resumed = fold.start_action(&context, &mut persistent.clone()).expect("can be folded").runner;
+        assert!(resumed.restore_state(&saved, 4) && resumed.notice().is_some());
+        runner.finish(&mut persistent, &turned);
+        assert!(!persistent.idle_loads().springs.is_empty());
     }
 }
