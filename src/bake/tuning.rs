@@ -108,6 +108,8 @@ pub(super) struct SimulationMeshTuning {
     /// Edges where a body bends the cloth relative to those along fold lines [-], default 2/3: on edges of 12, 8 and 6 mm the cloth of an elbow
     /// remembers 0.83, 1.00 and 1 times as much.
     pub finest_factor_on_body: f64,
+    /// Points at most where a body bends the cloth, default 3000: edges are longer where that is much of it, as of trousers that sit down.
+    pub max_creased_points: usize,
     /// Longest edges on a body relative to those along fold lines [-]: straight edges of cloth cut into limbs.
     pub max_factor_on_body: f64,
     /// Growth of the edge length with the distance from where a body creases the cloth [-].
@@ -358,6 +360,7 @@ impl BakeTuning {
             max_excess: 0.03,
             edge_growth: 1.0,
             finest_factor_on_body: 2.0 / 3.0,
+            max_creased_points: 3000,
             max_factor_on_body: 2.0,
             edge_growth_on_body: 0.5,
             max_hinge_deg: 45.0,

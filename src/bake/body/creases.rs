@@ -6,13 +6,13 @@ use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crease_geometry::mesh::{PointIndex, triangle};
 use crease_model::body::{AnimatedBody, BodyPose};
 use crease_model::garment::Garment;
+use crease_model::remesh::Seed;
+use rustc_hash::FxHashSet;
 
 /// The cloth that a body will crease.
 pub(in crate::bake) struct CreasedCloth {
-    /// Corners and middles of its triangles [m]; empty where no part of the body deforms near the garment.
-    pub positions: Vec<Vec3>,
-    /// Mean edge of its triangles [m], that of the garment where there are none: a file is often fine only where it bends.
-    pub mean_edge: f64,
+    /// Corners of its triangles [m]; empty where no part of the body deforms near the garment.
+    pub triangles: Vec<[Vec3; 3]>,
 }
 
 impl CreasedCloth {
@@ -22,16 +22,33 @@ impl CreasedCloth {
             [] => garment.triangles.clone(),
             _ => near_deforming(garment, animated, &deforming_triangles(animated, poses)),
         };
-        let corners = |t| triangle::corners(&garment.points, t);
-        let mean_edge = match triangles.len() {
-            0 => garment.mean_edge(),
-            count => triangles.iter().map(|t| triangle::mean_side(&corners(t))).sum::<f64>() / count as f64,
-        };
-        let mut is_corner = vec![false; garment.points.len()];
-        triangles.iter().flatten().for_each(|p| is_corner[p.at()] = true);
-        let own = garment.points.iter().zip(&is_corner).filter(|(_, is_corner)| **is_corner).map(|(x, _)| *x);
-        let positions = own.chain(triangles.iter().map(|t| middle(&corners(t)))).collect();
-        Self { positions, mean_edge }
+        Self { triangles: triangles.iter().map(|t| triangle::corners(&garment.points, t)).collect() }
+    }
+
+    /// Length of edges with which it has at most `count` points [m].
+    pub fn edge_for(&self, count: usize) -> f64 {
+        let twice_area: f64 = self.triangles.iter().map(|x| triangle::area_vector(x).norm()).sum();
+        // Equilateral triangles of side l have one point per sqrt(3)/2 l² of area.
+        (twice_area / (3f64.sqrt() * count as f64)).sqrt()
+    }
+
+    /// Seeds of edges of `length` [m] all over it, one in each cell of a grid of that width.
+    pub fn seeds(&self, length: f64) -> Vec<Seed> {
+        let mut taken = FxHashSet::default();
+        let mut seeds = Vec::new();
+        for [a, b, c] in &self.triangles {
+            let count = (triangle::longest_side(&[*a, *b, *c]) / length).ceil().max(1.0);
+            for i in 0..=count as u32 {
+                for j in 0..=count as u32 - i {
+                    let position = a + (b - a) * (f64::from(i) / count) + (c - a) * (f64::from(j) / count);
+                    if taken.insert([position.x, position.y, position.z].map(|x| (x / length).floor() as i64))
+                    {
+                        seeds.push(Seed { position, length });
+                    }
+                }
+            }
+        }
+        seeds
     }
 }
 
