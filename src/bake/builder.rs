@@ -294,7 +294,7 @@ impl<'a> Bake<'a> {
         let clock = Instant::now();
         let (rest, shown) = result_memory(&mesh, rest, start.as_ref(), options);
         report.decisions.extend(shown);
-        let relax_options = RelaxOptions::visible_on(garment, fabric);
+        let relax_options = RelaxOptions::visible_on(garment, fabric, options.strength);
         let body = options.body.as_deref();
         let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options, body);
         let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();

@@ -181,6 +181,8 @@ pub struct TransferResult {
     pub memory: RestState,
     /// The memory on the mesh with edges along the crease lines of the sources, where one was made.
     pub on_mesh: Option<CarriedOnMesh>,
+    /// Factor on the memory of the sources that is in these [-].
+    pub strength: f64,
     /// How the sources were transferred, one entry per source.
     pub sources: Vec<SourceOutcome>,
     /// Confidence 0..1 that a triangle's memory belongs there (mean over the sources), one per target triangle.

@@ -5,7 +5,7 @@
 //! at the points of the file.
 
 use crate::bake::{
-    EdgeLengths, GarmentReading, RelaxOptions, RelaxResult, crosses_elsewhere, make_mesh, relax,
+    EdgeLengths, GarmentReading, RelaxOptions, RelaxResult, crosses_elsewhere, make_mesh, relax_at_strength,
     relax_to_show,
 };
 use crate::transfer::crease_drawing::DrawnCreases;
@@ -27,11 +27,11 @@ pub fn mesh_along_creases(mut drawn: DrawnCreases) -> Option<SimulationMesh> {
 /// Relaxes `garment` of `fabric` to its source pose with the memory `carried` to it. Trims and inner sides follow its cloth.
 pub fn relax_carried(garment: &Garment, fabric: &Fabric, carried: &TransferResult) -> RelaxResult {
     let Some(CarriedOnMesh { mesh, memory }) = &carried.on_mesh else {
-        return relax(garment, fabric, &carried.memory);
+        return relax_at_strength(garment, fabric, &carried.memory, carried.strength);
     };
     let rigid = RigidParts::find(garment);
     let cloth = rigid.as_ref().map_or(garment, RigidParts::cloth);
-    let options = RelaxOptions::visible_on(cloth, fabric);
+    let options = RelaxOptions::visible_on(cloth, fabric, carried.strength);
     let relaxed = relax_to_show(&mesh.garment, fabric, memory, &options);
     let reading = GarmentReading::new(cloth, fabric.thickness(), None);
     let (displacement, _) = reading.displacement(mesh, &relaxed.displacement);

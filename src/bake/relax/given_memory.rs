@@ -26,14 +26,22 @@ use crease_solver::sim::{Cloth, GRAVITY, Sewing, Stepper};
 /// # Ok::<(), crease::Error>(())
 /// ```
 pub fn relax(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
-    let Some(rigid) = RigidParts::find(garment) else { return relax_cloth(garment, fabric, rest) };
-    let relaxed = relax_cloth(rigid.cloth(), fabric, &rigid.cloth_memory(rest));
-    RelaxResult { displacement: rigid.displacement(&relaxed.displacement), ..relaxed }
+    relax_at_strength(garment, fabric, rest, 1.0)
 }
 
-/// Relaxes a garment without trims.
-fn relax_cloth(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxResult {
-    relax_to_show(garment, fabric, rest, &RelaxOptions::visible_on(garment, fabric))
+/// Relaxes `garment` as [`relax`] does; `rest` is `strength` times what was earned.
+pub(crate) fn relax_at_strength(
+    garment: &Garment,
+    fabric: &Fabric,
+    rest: &RestState,
+    strength: f64,
+) -> RelaxResult {
+    let on_cloth = |cloth: &Garment, rest: &RestState| {
+        relax_to_show(cloth, fabric, rest, &RelaxOptions::visible_on(cloth, fabric, strength))
+    };
+    let Some(rigid) = RigidParts::find(garment) else { return on_cloth(garment, rest) };
+    let relaxed = on_cloth(rigid.cloth(), &rigid.cloth_memory(rest));
+    RelaxResult { displacement: rigid.displacement(&relaxed.displacement), ..relaxed }
 }
 
 /// Relaxes `garment`, with layers kept apart.
@@ -56,7 +64,11 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxR
     let (mut cloth, plan) = cloth_and_plan(garment, fabric);
     cloth.membrane.set_stiffness(plan.stretch.map(|k| k * TUNING.relax.rest_mesh_stretch));
     let contact = Contact::none(garment.points.len());
-    let options = RelaxOptions { tether_scale: TUNING.relax.rest_mesh_tether, max_stretch: f64::INFINITY };
+    let options = RelaxOptions {
+        tether_scale: TUNING.relax.rest_mesh_tether,
+        max_stretch: f64::INFINITY,
+        max_angle: f64::INFINITY,
+    };
     relax_with(garment, fabric, rest, cloth, contact, &options)
 }
 

@@ -2,13 +2,15 @@
 //!
 //! The result of a bake is not the pose in which the script ended but the source pose with the wrinkles that the memory
 //! makes in it: the minimum of the elastic energy with the remembered rest state plus a weak tether to the source positions
-//! X, about as stiff as gravity is on a wrinkle,
+//! X,
 //!
 //! ```text
-//! E = E_membrane + E_bending + sum A_i t/2 |x_i - X_i|²,     t = rho g / c     (c: bending length)
+//! E = E_membrane + E_bending + sum A_i t/2 |x_i - X_i|²,     t = B / l^4
 //! ```
 //!
-//! so that a crease stands out as it would in cloth that lies, and nothing larger moves. Without memory the source pose
+//! that acts over the length l of a panel, so that the cloth beside a crease stays flat and the pose is kept by what is larger. A crease
+//! of the angle a that is undone over l moves its line by about a l. Weight and body open it: what is remembered is applied up to the
+//! angle that moves a line by `max_shift` (an assumption, as no load of the pose is known). Without memory the source pose
 //! itself is the minimum. Cloth as stiff as it is against stretch cannot crease across a curved surface (a garment in the shape of
 //! a body) without moving as a whole, which the tether forbids: here it stretches more easily. The rest state is applied in equal
 //! load increments; self-contact acts as in any other step, and what crosses in the source pose stays where it is. Beside a body the cloth is kept out of it as far as it is out of it in the
@@ -49,20 +51,23 @@ pub(crate) struct RelaxOptions {
     pub tether_scale: f64,
     /// Stretch stiffness at most [N/m].
     pub max_stretch: f64,
+    /// Angle to which the pose opens a hinge that remembers any more [rad].
+    pub max_angle: f64,
 }
 
 impl RelaxOptions {
-    /// The options with which `garment` shows what it remembers. A crease decays over 3 cm, over some edges or over the bending
-    /// length, whichever is most: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as easily as a sheet so
-    /// thick that a crease can run across a curved surface.
-    pub fn visible_on(garment: &Garment, fabric: &Fabric) -> Self {
+    /// The options with which `garment` shows a memory of `strength` times what was earned. A crease decays over 5 cm, over some edges or
+    /// over the bending length, whichever is most: the tether is the bending stiffness over the fourth power of this length. The cloth stretches as
+    /// easily as a sheet so thick that a crease can run across a curved surface.
+    pub fn visible_on(garment: &Garment, fabric: &Fabric, strength: f64) -> Self {
         let own = fabric.bending_length();
         let decay = own.max(TUNING.relax.min_decay).max(TUNING.relax.decay_edges * garment.mean_edge());
-        let crease = garment.mean_edge().max(TUNING.relax.crease_width);
-        let thickness = crease * crease / TUNING.relax.surface_radius;
+        let panel = garment.mean_edge().max(TUNING.relax.panel_width);
+        let thickness = panel * panel / TUNING.relax.surface_radius;
         Self {
             tether_scale: (own / decay).powi(4),
             max_stretch: 12.0 * fabric.bend_mean() / (thickness * thickness),
+            max_angle: strength * TUNING.relax.max_shift / decay,
         }
     }
 }
@@ -84,6 +89,7 @@ pub(in crate::bake) fn relax_to_source_pose(
         result.displacement = vec![Vec3::zeros(); garment.points.len()];
         return result;
     }
+    let rest = &rest.opened(options.max_angle);
     let tether = options.tether_scale * fabric.area_density() * GRAVITY / fabric.bending_length();
     let springs: Vec<TargetSpring> = garment
         .points

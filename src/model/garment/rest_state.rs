@@ -74,6 +74,13 @@ impl RestState {
         }
     }
 
+    /// Returns this rest state as the pose of a garment opens it: a change `a` of a rest angle becomes `limit` tanh(`a` / `limit`) [rad].
+    pub fn opened(&self, limit: f64) -> Self {
+        let angles = self.source_angle.iter().zip(self.angle_changes());
+        let open = |change: f64| if limit > 0.0 { limit * (change / limit).tanh() } else { 0.0 };
+        Self { rest_angle: angles.map(|(source, change)| source + open(change)).collect(), ..self.clone() }
+    }
+
     /// Returns this rest state with every change times `factor` [-], from 0; it is itself for 1. Cloth turns no further than
     /// folded flat on itself; ratios stay positive.
     pub fn strengthened(&self, factor: f64) -> Self {

@@ -7,6 +7,8 @@ use crease_geometry::mesh::{hinge_angle, unwrap_angle};
 
 /// Change of rest angle from which a hinge counts for what is shown [rad]: 20 degrees.
 const MIN_SHOWN_CHANGE: f64 = 0.35;
+/// Angle to which the pose of a garment opens a hinge that remembers any more [rad].
+const OPENED_ANGLE: f64 = 0.3;
 /// Fraction shown below which a warning is given [-].
 const MIN_SHOWN_FRACTION: f64 = 0.2;
 
@@ -20,8 +22,8 @@ pub struct WornGarment {
 }
 
 impl WornGarment {
-    /// Fraction of what strong hinges of `garment` remember that the worn shape bends them by (regression by length of hinge) [-]; `None`
-    /// where no hinge remembers 20 degrees.
+    /// Fraction of what strong hinges of `garment` remember, opened as its pose does, that the worn shape bends them by (regression by length of
+    /// hinge) [-]; `None` where no hinge remembers 20 degrees.
     pub fn shown_fraction(&self, garment: &Garment) -> Option<f64> {
         let (mut both, mut own) = (0.0, 0.0);
         for (h, hinge) in garment.topology.hinges.iter().enumerate() {
@@ -29,6 +31,7 @@ impl WornGarment {
             if change.abs() < MIN_SHOWN_CHANGE {
                 continue;
             }
+            let change = change.clamp(-OPENED_ANGLE, OPENED_ANGLE);
             let source = hinge.points.map(|p| garment.points[p.at()]);
             let worn = hinge.points.map(|p| garment.points[p.at()] + self.displacement[p.at()]);
             let before = hinge_angle(&source);
@@ -70,10 +73,11 @@ mod tests {
         let mut worn = WornGarment { displacement: vec![Vec3::zeros(); 4], memory };
         assert_eq!(worn.shown_fraction(&garment), Some(0.0));
         assert!(worn.hidden_warning(&garment).is_some());
-        // The second wing turned by half of what is remembered, to the side of a positive angle.
+        // The second wing turned by half of what the pose leaves of it, to the side of a positive angle.
         let bend = |angle: f64| Vec3::new(angle.cos(), angle.sin(), 0.0);
         let quad = |wing: Vec3| hinge_angle(&[Vec3::zeros(), Vec3::z(), -Vec3::x(), wing]);
-        let wing = if quad(bend(0.5)) > 0.0 { bend(0.5) } else { bend(-0.5) };
+        let half = 0.5 * OPENED_ANGLE;
+        let wing = if quad(bend(half)) > 0.0 { bend(half) } else { bend(-half) };
         worn.displacement[3] = wing - Vec3::x();
         let shown = worn.shown_fraction(&garment).expect("it remembers");
         assert!((shown - 0.5).abs() < 1e-12, "{shown}");
