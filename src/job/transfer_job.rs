@@ -17,7 +17,7 @@ use crease_geometry::math::Vec3;
 use crease_io::{Landmarks, Sidecar, sidecar_surface};
 use crease_model::error::{Message, Result};
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
-use crease_model::garment::WornGarment;
+use crease_model::garment::{ShownWear, WornGarment};
 use crease_model::remesh::{GarmentSurface, WornSurface};
 use serde_json::{Value, json};
 use std::cell::OnceCell;
@@ -76,7 +76,9 @@ impl TransferJob {
         record.warn(warnings);
         record.warn(carried.warnings.clone());
         record.warn_of_failure(carried.empty_reason.clone(), observer.words());
-        record.warn(worn.hidden_warning(garment));
+        let shown = ShownWear::of(&worn, garment);
+        let is_worn = carried.empty_reason.is_none();
+        record.warn(worn.hidden_warning(garment).or(shown.faint_warning().filter(|_| is_worn)));
         record.computed();
 
         let counts = crossing_counts(garment, &worn, &start);
@@ -85,6 +87,7 @@ impl TransferJob {
             triangles: garment.triangles.len(),
             crossings: counts.added,
             crossings_at_start: counts.at_start,
+            shown: shown.into(),
             sources: carried_sources(&input.sources, &carried),
             ..TransferReport::of_transfer(&carried, &surface)
         };

@@ -23,7 +23,8 @@ pub use fine_report::{FineReport, WrittenFile};
 pub use garment_view::{ColorBy, GarmentView, PointMemory};
 pub use html::escaped;
 pub use report_file::{
-    CrossingCounts, EventCounts, ModelChoice, Report, StageTimes, crossing_counts, source_crossings,
+    CrossingCounts, EventCounts, ModelChoice, Report, ShownReport, StageTimes, crossing_counts,
+    source_crossings,
 };
 pub use swatch::{overhang, swatch_page};
 pub use transfer_report::{CarriedSource, TransferReport};

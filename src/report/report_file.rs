@@ -10,7 +10,7 @@ use crate::report::fine_report::{FineReport, WrittenFile};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::error::Vocabulary;
-use crease_model::garment::{Garment, WornGarment};
+use crease_model::garment::{Garment, ShownWear, WornGarment};
 use schemars::JsonSchema;
 use serde::de::{MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -46,6 +46,9 @@ pub struct Report {
     pub max_rest_angle_change_deg: f64,
     /// Maximum stiffness ratio in the result [-]; 1 for new cloth.
     pub max_stiffness_ratio: f64,
+    /// What the worn shape shows.
+    #[serde(default)]
+    pub shown: ShownReport,
     /// Time integrator, by its name on the command line.
     pub method: String,
     /// Models that were on or off, and why.
@@ -98,6 +101,21 @@ pub struct EventCounts {
     pub gradual: u64,
     /// Critical events.
     pub critical: u64,
+}
+
+/// What the worn shape shows on the triangles of the garment.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ShownReport {
+    /// Largest angle by which a triangle turned [degrees].
+    pub max_turn_deg: f64,
+    /// Angle by which 95 % of the area turned at most [degrees].
+    pub turn_95_deg: f64,
+    /// Largest displacement of a point [m].
+    pub max_displacement_m: f64,
+    /// Displacement of 95 % of the area at most [m].
+    pub displacement_95_m: f64,
+    /// Share of the area that turned by 5 degrees or more [%].
+    pub turned_percent: f64,
 }
 
 /// Decision about one model.
@@ -187,6 +205,31 @@ pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]
     CrossingCounts { at_start: start.len(), added }
 }
 
+impl From<ShownWear> for ShownReport {
+    fn from(shown: ShownWear) -> Self {
+        Self {
+            max_turn_deg: shown.max_turn.to_degrees(),
+            turn_95_deg: shown.turn_95.to_degrees(),
+            max_displacement_m: shown.max_displacement,
+            displacement_95_m: shown.displacement_95,
+            turned_percent: 100.0 * shown.visible_fraction,
+        }
+    }
+}
+
+impl fmt::Display for ShownReport {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            out,
+            "turned by up to {:.0} degrees (95 % of it: {:.0}), moved by up to {:.0} mm (95 %: {:.0})",
+            self.max_turn_deg,
+            self.turn_95_deg,
+            1e3 * self.max_displacement_m,
+            1e3 * self.displacement_95_m
+        )
+    }
+}
+
 impl Report {
     /// Creates the report of the bake `baked` of `garment` in the words of `words`. The caller adds `method` and the times of reading
     /// and writing.
@@ -202,6 +245,7 @@ impl Report {
             crossings_at_start: counts.at_start,
             max_rest_angle_change_deg: memory.angle_changes().map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
+            shown: ShownWear::of(&baked.worn, garment).into(),
             ..Self::of_work(garment, &baked.report, words)
         }
     }
@@ -307,7 +351,7 @@ mod tests {
         assert_eq!(
             names.join(" "),
             "wall_s simulated_s steps linear_solves points triangles crossings crossings_at_start events max_rest_angle_change_deg \
-             max_stiffness_ratio method models stages warnings"
+             max_stiffness_ratio shown method models stages warnings"
         );
         let text = report().to_json();
         let compact: String = text.split_whitespace().collect();

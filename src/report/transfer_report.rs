@@ -5,6 +5,7 @@
 use crate::report::detail_report::DetailReport;
 use crate::report::export::ExportCheck;
 use crate::report::fine_report::{FineReport, WrittenFile};
+use crate::report::report_file::ShownReport;
 use crate::transfer::{RegionConfidence, TransferLosses, TransferResult, mean_confidence};
 use crease_model::remesh::GarmentSurface;
 use schemars::JsonSchema;
@@ -29,6 +30,9 @@ pub struct TransferReport {
     pub max_rest_angle_change_deg: f64,
     /// Maximum stiffness ratio [-]; 1 for new cloth.
     pub max_stiffness_ratio: f64,
+    /// What the worn shape shows.
+    #[serde(default)]
+    pub shown: ShownReport,
     /// Area-weighted mean confidence, 0 to 1.
     pub confidence: f64,
     /// Confidence per region.

@@ -8,7 +8,7 @@ use crease_geometry::math::Vec3;
 use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crease_model::body::AnimatedBody;
 use crease_model::error::{Message, Setting};
-use crease_model::garment::{Garment, RestState};
+use crease_model::garment::{Garment, RestState, ShownWear};
 use std::borrow::Cow;
 
 /// Adds warnings to the report of `baked`, and the reason why its result is empty if it is.
@@ -56,7 +56,6 @@ pub(in crate::bake) fn add_findings(
             Message::from(what) + Setting::Resolution.to_number(format!("{advised:.0}")) + " refines it",
         );
     }
-    report.warn(baked.worn.hidden_warning(garment));
     let cure = match (far.is_some(), garment.topology.hinges.is_empty(), options.body.is_some()) {
         (true, ..) => "the garment is not on the body".into(),
         (_, true, _) => {
@@ -66,6 +65,9 @@ pub(in crate::bake) fn add_findings(
         _ => Message::from("fold, press or hold it longer, or refine the mesh with ") + Setting::Resolution,
     };
     report.empty_reason = empty_reason(&baked.worn.memory, earlier, cure);
+    let is_worn = report.empty_reason.is_none();
+    let faint = || ShownWear::of(&baked.worn, garment).faint_warning().filter(|_| is_worn);
+    report.warn(baked.worn.hidden_warning(garment).or_else(faint));
 }
 
 /// Reason why `memory` is empty, with a `cure`, if nothing in it changed to speak of against the `earlier` one or new cloth.

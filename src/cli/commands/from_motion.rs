@@ -89,11 +89,12 @@ pub fn run(arguments: Arguments) -> Result<()> {
 
 fn print_summary(worn: &str, report: &Report) {
     console::message(&format!(
-        "{worn}: {} points, memory of {:.1} s of motion in {:.1} s; {} events, {} crossings",
+        "{worn}: {} points, memory of {:.1} s of motion in {:.1} s; {} events; {}; {} crossings",
         report.points,
         report.simulated_s,
         report.wall_s,
         report.events.gradual + report.events.critical,
+        report.shown,
         report.crossings
     ));
 }

@@ -168,7 +168,7 @@ fn print_summary(worn: &str, report: &TransferReport) {
     print_checks(&report.exports);
     print_files(&report.files, report.fine.as_ref());
     console::message(&format!(
-        "{worn}: {} points, confidence {:.2}, {:.1} s; {} crossings",
-        report.points, report.confidence, report.wall_s, report.crossings,
+        "{worn}: {} points, confidence {:.2}, {:.1} s; {}; {} crossings",
+        report.points, report.confidence, report.wall_s, report.shown, report.crossings,
     ));
 }

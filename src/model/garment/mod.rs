@@ -25,6 +25,7 @@ mod rest_state;
 mod rigid_parts;
 mod sewing;
 mod shell;
+mod shown_wear;
 mod source_asset;
 mod tuning;
 mod wedges;
@@ -44,6 +45,7 @@ pub use refine::RefinedMesh;
 pub use rest_state::RestState;
 pub use rigid_parts::RigidParts;
 pub use sewing::{hem_fractions, seam_fractions};
+pub use shown_wear::ShownWear;
 pub use source_asset::{
     GlbChunk, GltfDocument, ObjFace, ObjLines, Placement, SourceAsset, SourceFormat, SourceJoint,
     SourcePiece, UpAxis,

@@ -71,7 +71,7 @@ fn print_summary(worn: &str, report: &Report) {
     print_checks(&report.exports);
     print_files(&report.files, report.fine.as_ref());
     console::message(&format!(
-        "{worn}: {} points, {:.1} s of wear in {} steps and {:.1} s; {} crossings",
-        report.points, report.simulated_s, report.steps, report.wall_s, report.crossings,
+        "{worn}: {} points, {:.1} s of wear in {} steps and {:.1} s; {}; {} crossings",
+        report.points, report.simulated_s, report.steps, report.wall_s, report.shown, report.crossings,
     ));
 }
