@@ -27,8 +27,8 @@ pub use landmarks::{Landmark, Landmarks};
 pub use read::{ReadOptions, Resolve, read_asset, read_asset_with};
 pub use shape_obj::{FrameRow, FrameRows, read_shape_obj, write_shape_obj};
 pub use sidecar::{
-    SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
-    SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, sidecar_surface, write_sidecar,
+    SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarCrease, SidecarHinges, SidecarJoint, SidecarMesh,
+    SidecarPoints, SidecarSource, SidecarTriangles, SidecarUp, read_sidecar, sidecar_surface, write_sidecar,
     write_sidecar_to,
 };
 pub use size::{check_size, compare_body_size, compare_frame_size, unit_length};

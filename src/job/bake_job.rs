@@ -11,7 +11,7 @@ use crate::job::outputs::{JobOutputs, JobRecord, TOOL, failure_of};
 use crate::report::{Report, crossing_counts, source_crossings};
 use crease_io::Sidecar;
 use crease_model::error::{Error, Message, Result, Vocabulary};
-use crease_model::remesh::{GarmentSurface, WornSurface};
+use crease_model::remesh::{Crease, GarmentSurface, WornSurface};
 use serde_json::{Value, json};
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -269,6 +269,10 @@ impl BakeJob {
     /// Returns the sidecar of the result.
     fn sidecar(&self, baked: &BakeResult) -> Result<Sidecar> {
         let sidecar = self.input.sidecar(&baked.worn, self.run_description(baked))?;
+        let mesh = GarmentSurface::without_texture(&baked.simulated.garment);
+        let (garment, width) = (&self.input.garment.mesh.garment, self.input.fabric.crease_width());
+        let sidecar =
+            sidecar.with_creases(&Crease::find(&mesh, &baked.simulated.worn.memory, garment, width))?;
         let has_own_mesh = baked.simulated.garment.triangles != self.input.garment.mesh.garment.triangles;
         match self.sidecar_of_simulated && has_own_mesh {
             true => sidecar.with_simulated(&baked.simulated.garment, &baked.simulated.worn),

@@ -18,7 +18,7 @@ use crease_io::{Landmarks, Sidecar, sidecar_surface};
 use crease_model::error::{Message, Result};
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
 use crease_model::garment::{ShownWear, WornGarment};
-use crease_model::remesh::{GarmentSurface, WornSurface};
+use crease_model::remesh::{Crease, GarmentSurface, WornSurface};
 use serde_json::{Value, json};
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -203,7 +203,16 @@ impl TransferInput {
         });
         let mut sidecar = self.target.sidecar(worn, &self.fabric, Value::Null, run)?;
         sidecar.triangles.confidence = Some(carried.confidence.clone());
-        Ok(sidecar)
+        let own = self.sidecars.first().filter(|_| carried.unchanged);
+        match (own, &carried.on_mesh) {
+            (Some(own), _) => Ok(Sidecar { creases: own.creases.clone(), ..sidecar }),
+            (None, Some(CarriedOnMesh { mesh, memory })) => {
+                let surface = GarmentSurface::without_texture(&mesh.garment);
+                let (garment, width) = (&self.target.mesh.garment, self.fabric.crease_width());
+                sidecar.with_creases(&Crease::find(&surface, memory, garment, width))
+            }
+            (None, None) => Ok(sidecar),
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Conversions between a sidecar and the garment, its worn result and its source asset.
 
 use crate::sidecar::format::{
-    SIDECAR_FORMAT, Sidecar, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints, SidecarSource,
-    SidecarTriangles, SidecarUp,
+    SIDECAR_FORMAT, Sidecar, SidecarCrease, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
+    SidecarSource, SidecarTriangles, SidecarUp,
 };
 use crate::tuning::TUNING;
 use crease_geometry::math::{Mat3, Vec2, Vec3, bounds};
@@ -11,6 +11,7 @@ use crease_model::error::Result;
 use crease_model::garment::{
     Garment, RestState, SourceAsset, SourceFormat, SourceJoint, UpAxis, WornGarment, corner_vertices,
 };
+use crease_model::remesh::Crease;
 use serde_json::{Map, Value};
 
 impl Sidecar {
@@ -69,6 +70,7 @@ impl Sidecar {
             wear,
             run,
             simulated: None,
+            creases: None,
             extra: Map::new(),
         };
         sidecar.checksums = Some(sidecar.compute_checksums());
@@ -101,6 +103,24 @@ impl Sidecar {
         own.mesh.source_uv = None;
         own.mesh.triangle_vertices = None;
         Ok(Self { simulated: Some(Box::new(own)), ..self })
+    }
+
+    /// Adds the creases of the garment.
+    ///
+    /// # Errors
+    /// [`crease_model::error::Error::Input`] for one that does not lie on its mesh or holds a number that is not finite.
+    pub fn with_creases(self, creases: &[Crease]) -> Result<Self> {
+        let of = |crease: &Crease| SidecarCrease {
+            triangles: crease.places.iter().map(|at| at.face).collect(),
+            weights: crease.places.iter().map(|at| at.weights).collect(),
+            angle_rad: crease.angle.clone(),
+            stiffness_ratio: crease.stiffness_ratio.clone(),
+            width_m: crease.width,
+            extra: Map::new(),
+        };
+        let sidecar = Self { creases: Some(creases.iter().map(of).collect()), ..self };
+        sidecar.validate(&sidecar.source.file)?;
+        Ok(sidecar)
     }
 
     /// Returns the points of the mesh in metres, y up.

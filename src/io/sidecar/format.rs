@@ -42,6 +42,27 @@ pub struct Sidecar {
     /// has no vertices of the file.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulated: Option<Box<Self>>,
+    /// Creases along which the garment was folded, the strongest first; left out where they are not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub creases: Option<Vec<SidecarCrease>>,
+    /// Fields unknown to this version.
+    #[serde(flatten)]
+    pub extra: Map<String, Value>,
+}
+
+/// Crease: a curve on the surface of the mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct SidecarCrease {
+    /// One per place along it: the triangle of `mesh` that it lies in.
+    pub triangles: Vec<u32>,
+    /// One per place: barycentric weights of the corners of that triangle.
+    pub weights: Vec<[f64; 3]>,
+    /// One per two places that follow one another: change of the rest angle, in radians.
+    pub angle_rad: Vec<f64>,
+    /// One per two places that follow one another: bend stiffness over that of new cloth [-].
+    pub stiffness_ratio: Vec<f64>,
+    /// Width of cloth over which it bends [m].
+    pub width_m: f64,
     /// Fields unknown to this version.
     #[serde(flatten)]
     pub extra: Map<String, Value>,

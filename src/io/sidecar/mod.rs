@@ -15,8 +15,8 @@ mod tests;
 mod validate;
 
 pub use format::{
-    SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarHinges, SidecarJoint, SidecarMesh, SidecarPoints,
-    SidecarSource, SidecarTriangles, SidecarUp,
+    SIDECAR_FORMAT, Sidecar, SidecarChecksums, SidecarCrease, SidecarHinges, SidecarJoint, SidecarMesh,
+    SidecarPoints, SidecarSource, SidecarTriangles, SidecarUp,
 };
 pub use read_write::{read_sidecar, write_sidecar, write_sidecar_to};
 pub use surface::sidecar_surface;

@@ -18,6 +18,7 @@ impl Sidecar {
         check.unit(self.source.unit_m);
         self.validate_mesh(&mut check);
         self.validate_memory(&mut check);
+        self.validate_creases(&mut check);
         if check.errors.is_empty() {
             check.errors.extend(self.checksum_errors(file));
         }
@@ -41,6 +42,21 @@ impl Sidecar {
         for (i, joint) in self.mesh.joints.iter().flatten().enumerate() {
             check.finite(&format!("mesh.joints[{i}].position_m"), &[joint.position_m]);
             check.finite(&format!("mesh.joints[{i}].axes"), &joint.axes);
+        }
+    }
+
+    fn validate_creases(&self, check: &mut Check) {
+        for (i, crease) in self.creases.iter().flatten().enumerate() {
+            let name = |field: &str| format!("creases[{i}].{field}");
+            let (places, between) = (crease.triangles.len(), crease.triangles.len().saturating_sub(1));
+            check.indices(&name("triangles"), crease.triangles.as_chunks::<1>().0, self.mesh.triangles.len());
+            check.length(&name("weights"), crease.weights.len(), places, "places");
+            check.finite(&name("weights"), &crease.weights);
+            check.length(&name("angle_rad"), crease.angle_rad.len(), between, "stretches");
+            check.finite(&name("angle_rad"), crease.angle_rad.as_chunks::<1>().0);
+            check.length(&name("stiffness_ratio"), crease.stiffness_ratio.len(), between, "stretches");
+            check.positive(&name("stiffness_ratio"), &crease.stiffness_ratio);
+            check.positive(&name("width_m"), &[crease.width_m]);
         }
     }
 

@@ -36,6 +36,8 @@ pub(super) struct RemeshTuning {
     pub max_row_distance: f64,
     /// Distance over which the turn of a panel is averaged where it is carried to a crease [m], default 6e-3.
     pub strip_reach: f64,
+    /// Distance from a triangle up to which a place above it belongs to it without a search, per root of its area [-], default 0.1.
+    pub max_rise: f64,
     /// Smallest cosine between a triangle of the garment and that of the mesh in which it is found [-], default 0.2.
     pub min_start_cosine: f64,
     /// Largest distance between them [m], default 0.02: the height of a chord of the longest edges over a sleeve.
@@ -109,6 +111,7 @@ pub(super) const TUNING: RemeshTuning = RemeshTuning {
     min_row_cosine: 0.8,
     max_row_distance: 0.012,
     strip_reach: 6e-3,
+    max_rise: 0.1,
     min_start_cosine: 0.2,
     max_start_distance: 0.02,
     projection_tol: 1e-6,

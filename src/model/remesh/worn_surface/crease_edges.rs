@@ -18,6 +18,8 @@ pub(super) struct CreaseEdges {
     part: Vec<Part>,
     /// Per triangle: whether it lies between a centre line and a row beside it.
     pub strip: Vec<bool>,
+    /// Per centre line: its points, and the hinge between each two of them.
+    pub lines: Vec<(Vec<u32>, Vec<u32>)>,
 }
 
 impl CreaseEdges {
@@ -51,7 +53,31 @@ impl CreaseEdges {
             }
         }
         let strip = strip_triangles(mesh, &part);
-        Self { part, strip }
+        let lines = ranked.iter().flat_map(|(_, chain)| centre_lines(chain, &part)).collect();
+        Self { part, strip, lines }
+    }
+
+    /// Per hinge on a centre line: its change among `changes` [rad], with those of the rows beside it by their length; 0 for others.
+    pub fn net_angles(&self, mesh: &GarmentSurface, changes: &[f64]) -> Vec<f64> {
+        let ends = |h: usize| mesh.topology.hinges[h].points.map(|p| mesh.points[p.at()]);
+        let centre: Vec<usize> = self.centre_hinges().collect();
+        let mut net = vec![0.0; changes.len()];
+        centre.iter().for_each(|h| net[*h] = changes[*h]);
+        for row in (0..self.part.len()).filter(|h| self.part[*h] == Part::Row) {
+            let [a, b, ..] = ends(row);
+            let middle = 0.5 * (a + b);
+            let squared = |h: &usize| {
+                let [a, b, ..] = ends(*h);
+                let part = ((middle - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+                (middle - a - (b - a) * part).norm_squared()
+            };
+            let nearest = centre.iter().map(|h| (squared(h), *h)).min_by(|x, y| x.0.total_cmp(&y.0));
+            if let Some((_, h)) = nearest.filter(|(d, _)| *d < TUNING.max_row_distance.powi(2)) {
+                let [c, d, ..] = ends(h);
+                net[h] += changes[row] * (b - a).norm() / (d - c).norm();
+            }
+        }
+        net
     }
 
     /// Whether hinge `h` is on a centre line.
@@ -63,6 +89,24 @@ impl CreaseEdges {
     pub fn centre_hinges(&self) -> impl Iterator<Item = usize> {
         (0..self.part.len()).filter(|h| self.is_centre(*h))
     }
+}
+
+/// The parts of `chain` that are on a centre line: points, and the hinges between them.
+fn centre_lines(chain: &HingeChain, part: &[Part]) -> Vec<(Vec<u32>, Vec<u32>)> {
+    let mut lines: Vec<(Vec<u32>, Vec<u32>)> = Vec::new();
+    let mut goes_on = false;
+    for (ends, h) in chain.edges() {
+        let is_centre = part[*h as usize] == Part::Centre;
+        if is_centre && !goes_on {
+            lines.push((vec![ends[0]], Vec::new()));
+        }
+        if let Some((points, hinges)) = lines.last_mut().filter(|_| is_centre) {
+            points.push(ends[1]);
+            hinges.push(*h);
+        }
+        goes_on = is_centre;
+    }
+    lines
 }
 
 /// Whether hinge `h` runs beside a centre edge: a triangle at it touches one about parallel to it that does not go on from it.

@@ -12,9 +12,11 @@
 
 mod crease_distance;
 mod crease_edges;
+mod creases;
 mod panels;
 
 pub use crease_distance::{CreaseDistances, NearCrease};
+pub use creases::Crease;
 
 use crate::garment::{Garment, WornGarment};
 use crate::remesh::GarmentSurface;
@@ -23,6 +25,7 @@ use crate::remesh::tuning::TUNING;
 use crate::remesh::worn_surface::crease_edges::CreaseEdges;
 use crate::remesh::worn_surface::panels::corner_rotations;
 use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::distance::barycentric;
 use crease_geometry::mesh::triangle::{self, corners};
 use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crease_geometry::mesh::{PointIndex, SurfaceWalk};
@@ -137,10 +140,22 @@ impl WornSurface {
 
     /// The place of the mesh closest to `source` [m], searched from triangle `start`, and its position before the wear [m].
     fn locate(&self, start: u32, source: &Vec3) -> (SurfacePoint, Vec3) {
-        let face = self.walk.closest(&self.points, &self.triangles, start, source);
-        let t = &self.triangles[face as usize];
-        let at = SurfacePoint { face, weights: clamped_weights(source, &corners(&self.points, t)) };
+        let at = self.above(start, source).unwrap_or_else(|| {
+            let face = self.walk.closest(&self.points, &self.triangles, start, source);
+            let weights = clamped_weights(source, &corners(&self.points, &self.triangles[face as usize]));
+            SurfacePoint { face, weights }
+        });
         (at, interpolate(&self.points, &self.triangles, &at))
+    }
+
+    /// The place of `source` [m] on triangle `face`, if it lies above or below it and next to it: most places do beside the one before.
+    fn above(&self, face: u32, source: &Vec3) -> Option<SurfacePoint> {
+        let x = corners(&self.points, &self.triangles[face as usize]);
+        let weights = barycentric(source, &x);
+        let on: Vec3 = (0..3).map(|k| x[k] * weights[k]).sum();
+        let near = TUNING.max_rise * TUNING.max_rise * triangle::area(&x);
+        let is_above = weights.iter().all(|w| *w >= 0.0) && (source - on).norm_squared() <= near;
+        is_above.then_some(SurfacePoint { face, weights })
     }
 
     /// The turn at `at`, a place at `x` of the mesh [m].
