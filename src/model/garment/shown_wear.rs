@@ -43,7 +43,9 @@ impl ShownWear {
             moves.push((moved.norm(), area));
         }
         let area: f64 = turns.iter().map(|(_, area)| area).sum();
-        let visible: f64 = turns.iter().filter(|(turn, _)| *turn > VISIBLE_TURN).map(|(_, area)| area).sum();
+        // An empty sum would be a negative zero.
+        let visible =
+            turns.iter().filter(|(turn, _)| *turn > VISIBLE_TURN).fold(0.0, |sum, (_, area)| sum + area);
         Self {
             max_turn: turns.iter().map(|(turn, _)| *turn).fold(0.0, f64::max),
             turn_95: upper_bound(turns),
