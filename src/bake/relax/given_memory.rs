@@ -67,7 +67,7 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxR
     let options = RelaxOptions {
         tether_scale: TUNING.relax.rest_mesh_tether,
         max_stretch: f64::INFINITY,
-        max_angle: f64::INFINITY,
+        max_angle: None,
     };
     relax_with(garment, fabric, rest, cloth, contact, &options)
 }

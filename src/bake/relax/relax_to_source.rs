@@ -9,8 +9,8 @@
 //! ```
 //!
 //! that acts over the length l of a panel, so that the cloth beside a crease stays flat and the pose is kept by what is larger. A crease
-//! of the angle a that is undone over l moves its line by about a l. Weight and body open it: what is remembered is applied up to the
-//! angle that moves a line by `max_shift` (an assumption, as no load of the pose is known). Without memory the source pose
+//! of the angle a moves its line by a l / (2 sqrt 2): a beam of the stiffness B on this foundation, with a kink in it. Weight and body
+//! open it: what is remembered is applied up to the angle that moves a line by `max_shift` (an assumption, as no load of the pose is known). Without memory the source pose
 //! itself is the minimum. Cloth as stiff as it is against stretch cannot crease across a curved surface (a garment in the shape of
 //! a body) without moving as a whole, which the tether forbids: here it stretches more easily. The rest state is applied in equal
 //! load increments; self-contact acts as in any other step, and what crosses in the source pose stays where it is. Beside a body the cloth is kept out of it as far as it is out of it in the
@@ -23,9 +23,11 @@ use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::body::AnimatedBody;
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
+use crease_model::remesh::{GarmentSurface, opened_memory};
 use crease_solver::contact::BodyPlanes;
 use crease_solver::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSprings};
 use crease_solver::sim::{GRAVITY, NewtonOptions, Stepper};
+use std::f64::consts::SQRT_2;
 
 /// Result of a relaxation.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,8 +53,8 @@ pub(crate) struct RelaxOptions {
     pub tether_scale: f64,
     /// Stretch stiffness at most [N/m].
     pub max_stretch: f64,
-    /// Angle to which the pose opens a hinge that remembers any more [rad].
-    pub max_angle: f64,
+    /// Angle to which the pose opens a crease that remembers any more [rad]; `None` for all that is remembered.
+    pub max_angle: Option<f64>,
 }
 
 impl RelaxOptions {
@@ -67,7 +69,7 @@ impl RelaxOptions {
         Self {
             tether_scale: (own / decay).powi(4),
             max_stretch: 12.0 * fabric.bend_mean() / (thickness * thickness),
-            max_angle: strength * TUNING.relax.max_shift / decay,
+            max_angle: Some(strength * 2.0 * SQRT_2 * TUNING.relax.max_shift / decay),
         }
     }
 }
@@ -89,7 +91,9 @@ pub(in crate::bake) fn relax_to_source_pose(
         result.displacement = vec![Vec3::zeros(); garment.points.len()];
         return result;
     }
-    let rest = &rest.opened(options.max_angle);
+    let mesh = options.max_angle.map(|_| GarmentSurface::without_texture(garment));
+    let opened = mesh.zip(options.max_angle).map(|(mesh, limit)| opened_memory(&mesh, rest, limit));
+    let rest = opened.as_ref().unwrap_or(rest);
     let tether = options.tether_scale * fabric.area_density() * GRAVITY / fabric.bending_length();
     let springs: Vec<TargetSpring> = garment
         .points

@@ -74,18 +74,6 @@ impl RestState {
         }
     }
 
-    /// Returns this rest state as the pose of a garment opens it: a change `a` of a rest angle becomes `limit` tanh(`a` / `limit`) [rad].
-    /// An infinite limit leaves it as it is, and 0 leaves nothing.
-    pub fn opened(&self, limit: f64) -> Self {
-        let angles = self.source_angle.iter().zip(self.angle_changes());
-        let open = |change: f64| match limit {
-            0.0 => 0.0,
-            f64::INFINITY => change,
-            _ => limit * (change / limit).tanh(),
-        };
-        Self { rest_angle: angles.map(|(source, change)| source + open(change)).collect(), ..self.clone() }
-    }
-
     /// Returns this rest state with every change times `factor` [-], from 0; it is itself for 1. Cloth turns no further than
     /// folded flat on itself; ratios stay positive.
     pub fn strengthened(&self, factor: f64) -> Self {

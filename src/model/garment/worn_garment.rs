@@ -3,14 +3,25 @@
 use crate::error::{Message, Setting};
 use crate::garment::{Garment, RestState};
 use crease_geometry::math::Vec3;
-use crease_geometry::mesh::{hinge_angle, unwrap_angle};
+use crease_geometry::mesh::triangle::{area, corners};
+use crease_geometry::mesh::{Hinge, PointIndex, hinge_angle, unwrap_angle};
 
 /// Change of rest angle from which a hinge counts for what is shown [rad]: 20 degrees.
 const MIN_SHOWN_CHANGE: f64 = 0.35;
-/// Angle to which the pose of a garment opens a hinge that remembers any more [rad].
-const OPENED_ANGLE: f64 = 0.3;
+/// Angle to which the pose of a garment opens a crease that remembers any more [rad].
+const OPENED_ANGLE: f64 = 0.85;
+/// Width of cloth that turns by this angle [m]: a crease with a row of 8 mm on either side.
+const OPENED_WIDTH: f64 = 0.024;
 /// Fraction shown below which a warning is given [-].
 const MIN_SHOWN_FRACTION: f64 = 0.2;
+
+/// Share of the angle that a pose leaves of a crease which `hinge` has where it lies in none: by the width of cloth that it stands for, at most
+/// 1 [-].
+pub(crate) fn opened_share(points: &[Vec3], triangles: &[[PointIndex; 3]], hinge: &Hinge) -> f64 {
+    let [a, b, ..] = hinge.points.map(|p| points[p.at()]);
+    let area: f64 = hinge.triangles.iter().map(|f| area(&corners(points, &triangles[*f as usize]))).sum();
+    (area / (b - a).norm().max(f64::MIN_POSITIVE) / OPENED_WIDTH).min(1.0)
+}
 
 /// Garment after wear.
 #[derive(Debug, Clone)]
@@ -31,7 +42,8 @@ impl WornGarment {
             if change.abs() < MIN_SHOWN_CHANGE {
                 continue;
             }
-            let change = change.clamp(-OPENED_ANGLE, OPENED_ANGLE);
+            let limit = OPENED_ANGLE * opened_share(&garment.points, &garment.triangles, hinge);
+            let change = change.clamp(-limit, limit);
             let source = hinge.points.map(|p| garment.points[p.at()]);
             let worn = hinge.points.map(|p| garment.points[p.at()] + self.displacement[p.at()]);
             let before = hinge_angle(&source);

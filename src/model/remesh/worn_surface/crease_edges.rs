@@ -16,6 +16,8 @@ enum Part {
 pub(super) struct CreaseEdges {
     /// Per hinge.
     part: Vec<Part>,
+    /// Per hinge of a row: the hinge of a centre line that it belongs to.
+    centre_of: Vec<Option<u32>>,
     /// Per triangle: whether it lies between a centre line and a row beside it.
     pub strip: Vec<bool>,
     /// Per centre line: its points, and the hinge between each two of them.
@@ -54,30 +56,27 @@ impl CreaseEdges {
         }
         let strip = strip_triangles(mesh, &part);
         let lines = ranked.iter().flat_map(|(_, chain)| centre_lines(chain, &part)).collect();
-        Self { part, strip, lines }
+        Self { centre_of: centres_of_rows(mesh, &part), part, strip, lines }
     }
 
     /// Per hinge on a centre line: its change among `changes` [rad], with those of the rows beside it by their length; 0 for others.
     pub fn net_angles(&self, mesh: &GarmentSurface, changes: &[f64]) -> Vec<f64> {
-        let ends = |h: usize| mesh.topology.hinges[h].points.map(|p| mesh.points[p.at()]);
-        let centre: Vec<usize> = self.centre_hinges().collect();
+        let length = |h: usize| {
+            let [a, b, ..] = mesh.topology.hinges[h].points.map(|p| mesh.points[p.at()]);
+            (b - a).norm()
+        };
         let mut net = vec![0.0; changes.len()];
-        centre.iter().for_each(|h| net[*h] = changes[*h]);
-        for row in (0..self.part.len()).filter(|h| self.part[*h] == Part::Row) {
-            let [a, b, ..] = ends(row);
-            let middle = 0.5 * (a + b);
-            let squared = |h: &usize| {
-                let [a, b, ..] = ends(*h);
-                let part = ((middle - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
-                (middle - a - (b - a) * part).norm_squared()
-            };
-            let nearest = centre.iter().map(|h| (squared(h), *h)).min_by(|x, y| x.0.total_cmp(&y.0));
-            if let Some((_, h)) = nearest.filter(|(d, _)| *d < TUNING.max_row_distance.powi(2)) {
-                let [c, d, ..] = ends(h);
-                net[h] += changes[row] * (b - a).norm() / (d - c).norm();
-            }
+        self.centre_hinges().for_each(|h| net[h] = changes[h]);
+        for (row, h) in self.rows() {
+            net[h] += changes[row] * length(row) / length(h);
         }
         net
+    }
+
+    /// Every hinge of a row, with the hinge of a centre line that it belongs to.
+    pub fn rows(&self) -> impl Iterator<Item = (usize, usize)> {
+        let centre = |(row, centre): (usize, &Option<u32>)| centre.map(|h| (row, h as usize));
+        self.centre_of.iter().enumerate().filter_map(centre)
     }
 
     /// Whether hinge `h` is on a centre line.
@@ -126,6 +125,25 @@ fn is_row(mesh: &GarmentSurface, centre_at: &[Vec<u32>], h: u32) -> bool {
         let parallel = |g: &u32| direction(*g).is_some_and(|g| g.dot(&own).abs() > TUNING.min_row_cosine);
         reach(p) < TUNING.max_row_distance && centre_at[p.at()].iter().any(parallel)
     })
+}
+
+/// Per hinge of a row: the closest hinge of a centre line, as far as it is within the reach of rows.
+fn centres_of_rows(mesh: &GarmentSurface, part: &[Part]) -> Vec<Option<u32>> {
+    let ends = |h: usize| mesh.topology.hinges[h].points.map(|p| mesh.points[p.at()]);
+    let centre: Vec<usize> = (0..part.len()).filter(|h| part[*h] == Part::Centre).collect();
+    let closest = |row: usize| {
+        let [a, b, ..] = ends(row);
+        let middle = 0.5 * (a + b);
+        let squared = |h: &usize| {
+            let [a, b, ..] = ends(*h);
+            let part = ((middle - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+            (middle - a - (b - a) * part).norm_squared()
+        };
+        let nearest = centre.iter().map(|h| (squared(h), *h as u32)).min_by(|x, y| x.0.total_cmp(&y.0));
+        nearest.filter(|(d, _)| *d < TUNING.max_row_distance.powi(2)).map(|(_, h)| h)
+    };
+    let of = |(h, part): (usize, &Part)| if *part == Part::Row { closest(h) } else { None };
+    part.iter().enumerate().map(of).collect()
 }
 
 /// Triangles between a centre line and a row beside it.

@@ -13,10 +13,12 @@
 mod crease_distance;
 mod crease_edges;
 mod creases;
+mod opened_memory;
 mod panels;
 
 pub use crease_distance::{CreaseDistances, NearCrease};
 pub use creases::Crease;
+pub use opened_memory::opened_memory;
 
 use crate::garment::{Garment, WornGarment};
 use crate::remesh::GarmentSurface;
