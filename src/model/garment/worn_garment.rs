@@ -9,9 +9,9 @@ use crease_geometry::mesh::{Hinge, PointIndex, hinge_angle, unwrap_angle};
 /// Change of rest angle from which a hinge counts for what is shown [rad]: 20 degrees.
 const MIN_SHOWN_CHANGE: f64 = 0.35;
 /// Angle to which the pose of a garment opens a crease that remembers any more [rad].
-const OPENED_ANGLE: f64 = 0.85;
-/// Width of cloth that turns by this angle [m]: a crease with a row of 8 mm on either side.
-const OPENED_WIDTH: f64 = 0.024;
+const OPENED_ANGLE: f64 = 0.51;
+/// Width of cloth beside creases that turns by this angle at most [m], an assumption: a radius of 30 mm.
+const OPENED_WIDTH: f64 = 0.015;
 /// Fraction shown below which a warning is given [-].
 const MIN_SHOWN_FRACTION: f64 = 0.2;
 
