@@ -52,4 +52,4 @@ pub use source_asset::{
 };
 pub use wedges::{corner_uvs, corner_vertices};
 pub use worn_garment::WornGarment;
-pub(crate) use worn_garment::opened_share;
+pub(crate) use worn_garment::opened_fraction;

@@ -15,9 +15,9 @@ const OPENED_WIDTH: f64 = 0.015;
 /// Fraction shown below which a warning is given [-].
 const MIN_SHOWN_FRACTION: f64 = 0.2;
 
-/// Share of the angle that a pose leaves of a crease which `hinge` has where it lies in none: by the width of cloth that it stands for, at most
+/// Fraction of the angle that a pose leaves of a crease which `hinge` has where it lies in none: by the width of cloth that it stands for, at most
 /// 1 [-].
-pub(crate) fn opened_share(points: &[Vec3], triangles: &[[PointIndex; 3]], hinge: &Hinge) -> f64 {
+pub(crate) fn opened_fraction(points: &[Vec3], triangles: &[[PointIndex; 3]], hinge: &Hinge) -> f64 {
     let [a, b, ..] = hinge.points.map(|p| points[p.at()]);
     let area: f64 = hinge.triangles.iter().map(|f| area(&corners(points, &triangles[*f as usize]))).sum();
     (area / (b - a).norm().max(f64::MIN_POSITIVE) / OPENED_WIDTH).min(1.0)
@@ -42,7 +42,7 @@ impl WornGarment {
             if change.abs() < MIN_SHOWN_CHANGE {
                 continue;
             }
-            let limit = OPENED_ANGLE * opened_share(&garment.points, &garment.triangles, hinge);
+            let limit = OPENED_ANGLE * opened_fraction(&garment.points, &garment.triangles, hinge);
             let change = change.clamp(-limit, limit);
             let source = hinge.points.map(|p| garment.points[p.at()]);
             let worn = hinge.points.map(|p| garment.points[p.at()] + self.displacement[p.at()]);

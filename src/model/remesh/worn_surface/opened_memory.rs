@@ -4,7 +4,7 @@
 //! angle of a crease, that of its centre line with the rows beside it, is limited, and beside creases the angle of a hinge by the width of cloth
 //! that it stands for.
 
-use crate::garment::{RestState, opened_share};
+use crate::garment::{RestState, opened_fraction};
 use crate::remesh::GarmentSurface;
 use crate::remesh::worn_surface::crease_edges::CreaseEdges;
 
@@ -14,8 +14,8 @@ pub fn opened_memory(mesh: &GarmentSurface, earned: &RestState, limit: f64) -> R
     let changes: Vec<f64> = earned.angle_changes().collect();
     let edges = CreaseEdges::find(mesh, &changes);
     let net = edges.net_angles(mesh, &changes);
-    let share = |h: usize| opened_share(&mesh.points, &mesh.triangles, &mesh.topology.hinges[h]);
-    let alone = |(h, change): (usize, &f64)| left_of(*change, limit * share(h));
+    let fraction = |h: usize| opened_fraction(&mesh.points, &mesh.triangles, &mesh.topology.hinges[h]);
+    let alone = |(h, change): (usize, &f64)| left_of(*change, limit * fraction(h));
     let mut opened: Vec<f64> = changes.iter().enumerate().map(alone).collect();
     for h in edges.centre_hinges() {
         opened[h] = changes[h] * fraction_left(net[h], limit);
@@ -42,7 +42,7 @@ mod tests {
     use super::*;
     use crate::garment::Garment;
 
-    /// A sheet of `count` squares along x, 0.24 m long, whose hinges within `reach` of the middle share the angle 2, the middle two thirds of it
+    /// A sheet of `count` squares along x, 0.24 m long, whose hinges within `reach` of the middle have the angle 2 together, the middle two thirds of it
     /// or more; the sum of the opened ones along a row.
     fn left(count: u32, reach: f64) -> f64 {
         let garment = Garment::sheet([0.24, 0.24], [count, 24]).expect("is a sheet");
