@@ -7,6 +7,7 @@ NumPy arrays, and `MemoryState` with `advance_memory` is the memory law for a si
 
 from ._crease import (
     ConvergenceError,
+    Crease,
     CreaseError,
     MemoryState,
     Sidecar,
@@ -24,6 +25,7 @@ from ._crease import (
 
 __all__ = [
     "ConvergenceError",
+    "Crease",
     "CreaseError",
     "MemoryState",
     "Sidecar",

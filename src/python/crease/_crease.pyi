@@ -36,6 +36,26 @@ class ConvergenceError(CreaseError):
     """A bake that could not go on to the end of its script."""
 
 @final
+class Crease:
+    """A crease of a garment: a curve on its surface. All arrays are copies."""
+
+    @property
+    def triangles(self) -> _Indices:
+        """Triangle of the sidecar's mesh that every place along it lies in."""
+    @property
+    def weights(self) -> _Floats:
+        """Barycentric weights of the corners of that triangle, (p, 3)."""
+    @property
+    def angle(self) -> _Floats:
+        """Change of the rest angle between each two places [rad]."""
+    @property
+    def stiffness_ratio(self) -> _Floats:
+        """Bending stiffness between each two places relative to new cloth."""
+    @property
+    def width(self) -> float:
+        """Width of cloth over which it bends [m]."""
+
+@final
 class Sidecar:
     """What worn cloth remembers. All arrays are copies."""
 
@@ -50,6 +70,9 @@ class Sidecar:
     @property
     def simulated(self) -> Optional[Sidecar]:
         """The memory on the simulated mesh, where that is not the mesh of the file; `transfer` takes folds from it."""
+    @property
+    def creases(self) -> list[Crease]:
+        """Creases along which the garment was folded, the strongest first; none where the sidecar does not list them."""
     @property
     def points(self) -> _Floats:
         """Points of the welded mesh before the wear, (n, 3) [m]."""

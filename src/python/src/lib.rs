@@ -27,6 +27,7 @@ fn _crease(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("CreaseError", py.get_type::<CreaseError>())?;
     module.add("ConvergenceError", py.get_type::<ConvergenceError>())?;
     module.add_class::<sidecar::PySidecar>()?;
+    module.add_class::<sidecar::PyCrease>()?;
     module.add_class::<worn::PyWorn>()?;
     module.add_class::<memory::MemoryState>()?;
     module.add_function(wrap_pyfunction!(bake::bake, module)?)?;

@@ -3,7 +3,7 @@
 use crate::convert::{exception, numbers, rows, vectors};
 use crease::{Load, Save};
 use crease_geometry::math::Vec3;
-use crease_io::{Sidecar, read_sidecar, write_sidecar};
+use crease_io::{Sidecar, SidecarCrease, read_sidecar, write_sidecar};
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use std::path::PathBuf;
@@ -13,6 +13,42 @@ use std::path::PathBuf;
 pub enum Content {
     Text(String),
     Bytes(Vec<u8>),
+}
+
+/// A crease of a garment: a curve on its surface. All arrays are copies.
+#[pyclass(name = "Crease", module = "crease", frozen)]
+pub struct PyCrease(pub SidecarCrease);
+
+#[pymethods]
+impl PyCrease {
+    #[getter]
+    fn triangles<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<u32>> {
+        numbers(py, &self.0.triangles)
+    }
+
+    #[getter]
+    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        rows(py, &self.0.weights)
+    }
+
+    #[getter]
+    fn angle<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        numbers(py, &self.0.angle_rad)
+    }
+
+    #[getter]
+    fn stiffness_ratio<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        numbers(py, &self.0.stiffness_ratio)
+    }
+
+    #[getter]
+    fn width(&self) -> f64 {
+        self.0.width_m
+    }
+
+    fn __repr__(&self) -> String {
+        format!("Crease({} places, {} mm wide)", self.0.triangles.len(), 1e3 * self.0.width_m)
+    }
 }
 
 /// What worn cloth remembers. All arrays are copies.
@@ -92,6 +128,11 @@ impl PySidecar {
     #[getter]
     fn rest_stretch_weft<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
         numbers(py, &self.0.triangles.rest_stretch_weft)
+    }
+
+    #[getter]
+    fn creases(&self) -> Vec<PyCrease> {
+        self.0.creases.iter().flatten().cloned().map(PyCrease).collect()
     }
 
     #[getter]

@@ -74,6 +74,17 @@ def test_a_compressed_sidecar_is_the_plain_one(worn, tmp_path):
         crease.Sidecar.parse(content[:-20])
 
 
+def test_creases_are_curves_on_the_mesh_of_the_sidecar():
+    sidecar = crease.transfer("fold-thrice", crease.sheet((0.6, 0.7), (12, 14))).sidecar
+    first = sidecar.creases[0]
+    count = len(first.triangles)
+    assert first.weights.shape == (count, 3) and len(first.angle) == len(first.stiffness_ratio) == count - 1
+    places = (first.weights[:, :, None] * sidecar.points[sidecar.triangles[first.triangles]]).sum(axis=1)
+    assert np.linalg.norm(np.diff(places, axis=0), axis=1).sum() > 0.04
+    assert np.abs(first.angle).max() > 0.2 and 0 < first.width < 0.02
+    assert repr(first).startswith("Crease(")
+
+
 def test_memories_of_the_program_are_transferred_by_name():
     assert "elbow" in crease.memories()
     carried = crease.transfer("fold-thrice", crease.sheet((0.6, 0.7), (12, 14)))
