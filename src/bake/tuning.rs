@@ -263,7 +263,7 @@ pub(super) struct RelaxTuning {
     /// least the bending length: what decays within a triangle cannot be read off at its corners.
     pub decay_edges: f64,
     /// Distance by which the line of a crease may move out of the pose [m], default 0.009: a crease opens to 29 degrees where it decays over
-    /// 0.05 m, and where two of a folded shirt cross the cloth moves by 15 mm.
+    /// 0.05 m, and where two of a folded shirt cross the cloth moves by up to 20 mm.
     pub max_shift: f64,
     /// Width of the panels beside a crease [m], default 0.1, and at least a mean edge of the garment.
     pub panel_width: f64,
