@@ -129,7 +129,7 @@ fn what_one_stream_cannot_hold_is_refused() {
         ("--export obj", "--export needs a place of its own"),
         ("--resume", "--resume needs a place of its own"),
         ("--explain", "--explain needs a place of its own"),
-        ("--resolution 20 --detail-map --height-map", "--height-map needs a place of its own"),
+        ("--resolution 20 --detail-map --map-files", "--map-files needs a place of its own"),
     ] {
         let run =
             piped(folder, &format!("bake shirt.glb --garment shirt --wear wear.json -o - {option}"), &[]);

@@ -71,6 +71,8 @@ pub(crate) struct IoTuning {
     pub(crate) padding_texels: usize,
     /// Two directions of one texel that differ by more than this conflict \[rad\].
     pub(crate) max_texel_deviation: f64,
+    /// Distance from the middle of a crease up to which its mask may reach \[m\]: the widths of thick cloth, twice.
+    pub(crate) crease_mask_reach: f64,
     /// Fraction of a detail map's texels that may conflict before the map is not used \[-\].
     pub(crate) max_conflicting_fraction: f64,
     /// Texture coordinates may leave a square of one picture's size by this much \[pictures\].
@@ -118,6 +120,7 @@ pub(crate) const TUNING: IoTuning = IoTuning {
     max_rest_angle_passes: 30,
     padding_texels: 16,
     max_texel_deviation: 0.17,
+    crease_mask_reach: 0.01,
     max_conflicting_fraction: 0.05,
     uv_border_tol: 1e-3,
     min_uv_extent: 0.05,

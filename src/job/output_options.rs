@@ -4,8 +4,8 @@ use crate::files::{GarmentFile, Outputs, is_stream};
 use crate::report::{DetailReport, Export, ExportCheck, FineReport, WrittenFile};
 use crease_io::UsdFrames;
 use crease_io::gltf::{
-    DetailInput, FINE_EDGE, FlatNormals, MapDepth, SourceShape, add_detail_map, apply_worn, write_fine_glb,
-    write_worn_glb_with,
+    DetailInput, DetailOf, FINE_EDGE, FlatNormals, MapDepth, MapOptions, SourceShape, add_detail_map,
+    apply_worn, write_fine_glb, write_worn_glb_with,
 };
 use crease_model::error::Result;
 use crease_model::fabric::Fabric;
@@ -57,8 +57,10 @@ pub struct DetailOptions {
     pub texels: u64,
     /// Bits per channel.
     pub depth: MapDepth,
-    /// Whether pictures of the heights go beside the garment.
-    pub height_map: bool,
+    /// What the maps show.
+    pub of: DetailOf,
+    /// Whether the maps go beside the garment as files: normals, heights and angles of creases.
+    pub files: bool,
 }
 
 /// Entries of a report about the files beside the main outputs.
@@ -134,7 +136,8 @@ impl DetailOptions {
         detail: &DetailInput,
         glb: Vec<u8>,
     ) -> Result<Vec<u8>> {
-        let detailed = add_detail_map(&glb, asset, detail, self.texels as usize, self.depth)?;
+        let options = MapOptions { side: self.texels as usize, depth: self.depth, of: self.of };
+        let detailed = add_detail_map(&glb, asset, detail, options)?;
         written.warnings.extend(detailed.notes);
         for (k, map) in detailed.maps.iter().enumerate() {
             let beside = |kind: &str| map_path(worn, kind, k, detailed.maps.len());
@@ -142,15 +145,16 @@ impl DetailOptions {
             if !map.in_material && is_stream(worn) {
                 let left_out = "a normal map that fits no material is left out: the standard output has no place beside it";
                 written.warnings.push(left_out.to_owned());
-            } else if !map.in_material {
+            } else if self.files || !map.in_material {
                 let path = beside("normal");
                 outputs.add(&path, &map.normal_png)?;
                 report.normal_map = last_name(&path);
             }
-            if self.height_map {
-                let path = beside("height");
-                outputs.add(&path, &map.height_png)?;
-                report.height_map = last_name(&path);
+            if self.files {
+                let [heights, creases] = ["height", "creases"].map(beside);
+                outputs.add(&heights, &map.height_png)?;
+                outputs.add(&creases, &map.crease_png)?;
+                (report.height_map, report.crease_map) = (last_name(&heights), last_name(&creases));
             }
             written.detail_maps.push(report);
         }

@@ -27,6 +27,9 @@ pub struct DetailReport {
     /// File of the height map, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_map: Option<String>,
+    /// File of the angles of creases, white for 180 degrees, if there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crease_map: Option<String>,
 }
 
 impl DetailReport {
@@ -41,6 +44,7 @@ impl DetailReport {
             height_range_m: map.height_range_m,
             normal_map: None,
             height_map: None,
+            crease_map: None,
         }
     }
 }

@@ -6,7 +6,7 @@
 use crease::{Garment, GarmentFile, Vec3};
 use crease_io::ReadOptions;
 use crease_io::gltf::{
-    DetailInput, DetailOutput, FlatNormals, MapDepth, add_detail_map, join_glb, write_worn_glb,
+    DetailInput, DetailOutput, FlatNormals, MapDepth, MapOptions, add_detail_map, join_glb, write_worn_glb,
 };
 use crease_model::garment::{RestState, WornGarment};
 use crease_model::remesh::{GarmentSurface, WornSurface};
@@ -178,7 +178,8 @@ pub fn detail_map(bytes: &[u8], height: impl Fn(&Vec3) -> f64, side: usize) -> (
         surface: &WornSurface::new(&mesh, &worn(&refined.garment), 2e-3),
         flat_normals: FlatNormals::default(),
     };
-    let output = add_detail_map(&glb, &own.asset, &input, side, MapDepth::Eight).expect("is made");
+    let output =
+        add_detail_map(&glb, &own.asset, &input, MapOptions::new(side, MapDepth::Eight)).expect("is made");
     let json = json_of(&output.glb);
     (output, json)
 }

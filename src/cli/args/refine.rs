@@ -3,7 +3,7 @@
 use crate::args::values::{Choice, choice, positive};
 use clap::builder::RangedU64ValueParser;
 use crease::internal::job::DetailOptions;
-use crease_io::gltf::{DETAIL_MAP_SIZES, MapDepth};
+use crease_io::gltf::{DETAIL_MAP_SIZES, DetailOf, MapDepth};
 
 /// Resolution, detail maps, and the finer mesh.
 #[derive(Debug, Clone, clap::Args)]
@@ -31,14 +31,28 @@ pub struct RefineArgs {
     /// Bits per channel of the normal map
     #[arg(long, help_heading = "Output", value_name = "BITS", value_parser = choice(&DEPTHS), default_value = "8", requires = "detail_map")]
     normal_map_bits: MapDepth,
-    /// Also write the height of the worn surface over the triangles of the file, as OUT.height.png
-    #[arg(long, help_heading = "Output", requires = "detail_map")]
-    height_map: bool,
+    /// What the map shows
+    #[arg(long, help_heading = "Output", value_name = "WEAR", value_parser = choice(&DETAIL_OF), default_value = "rest", requires = "detail_map")]
+    detail_map_of: DetailOf,
+    /// Also write the maps as files: OUT.normal.png, OUT.height.png (16 bits; the report has the heights of black and white) and
+    /// OUT.creases.png (angles of creases, white for 180 degrees)
+    #[arg(long, help_heading = "Output", alias = "height-map", requires = "detail_map")]
+    map_files: bool,
 }
 
 /// Values of `--normal-map-bits`.
 const DEPTHS: [Choice<MapDepth>; 2] =
     [("8", MapDepth::Eight, "8 bits, which every program reads"), ("16", MapDepth::Sixteen, "16 bits")];
+
+/// Values of `--detail-map-of`.
+const DETAIL_OF: [Choice<DetailOf>; 2] = [
+    ("rest", DetailOf::Rest, "What the worn vertices of the file do not show"),
+    (
+        "all",
+        DetailOf::All,
+        "All of the wear, for the mesh without it: the map is a file, not in the material",
+    ),
+];
 
 fn side() -> RangedU64ValueParser {
     RangedU64ValueParser::new().range(*DETAIL_MAP_SIZES.start() as u64..=*DETAIL_MAP_SIZES.end() as u64)
@@ -52,7 +66,7 @@ impl RefineArgs {
 
     /// Returns the options of the detail maps, if they are asked for.
     pub fn detail(&self) -> Option<DetailOptions> {
-        let depth = self.normal_map_bits;
-        self.detail_map.map(|texels| DetailOptions { texels, depth, height_map: self.height_map })
+        let (depth, of, files) = (self.normal_map_bits, self.detail_map_of, self.map_files);
+        self.detail_map.map(|texels| DetailOptions { texels, depth, of, files })
     }
 }

@@ -22,7 +22,7 @@ pub fn check_stream(output: &OutputOptions, json: bool) -> Result<()> {
         ("--preview", output.preview),
         ("--export", !output.exports.is_empty()),
         ("--fine", output.fine),
-        ("--height-map", output.detail.is_some_and(|detail| detail.height_map)),
+        ("--map-files", output.detail.is_some_and(|detail| detail.files)),
     ];
     beside.iter().find(|(_, is_given)| *is_given).map_or(Ok(()), |(option, _)| Err(beside_stream(option)))
 }

@@ -30,6 +30,7 @@ mod rig;
 mod scene;
 mod shared_meshes;
 mod skin;
+mod smooth_shading;
 mod sound_normals;
 mod worn_target;
 mod write;
@@ -38,7 +39,9 @@ pub use accessor::{Accessors, Table};
 pub use apply_worn::{SourceShape, apply_worn};
 pub use container::{is_glb, join_glb, split_glb};
 pub use contents::file_contents;
-pub use detail::{DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOutput, MapDepth, add_detail_map};
+pub use detail::{
+    DETAIL_MAP_SIZES, DetailInput, DetailMap, DetailOf, DetailOutput, MapDepth, MapOptions, add_detail_map,
+};
 pub use embed::{embed_images, image_bytes};
 pub use fine::{FINE_EDGE, FineOutput, write_fine_glb};
 pub use flat_shading::FlatNormals;

@@ -8,6 +8,7 @@
 use crate::gltf::add_morph_target::append_worn_target;
 use crate::gltf::append::{Appender, Purpose};
 use crate::gltf::names::{REST_ANGLE_CHANGE_ATTRIBUTE, STIFFNESS_ATTRIBUTE, WORN_TARGET};
+use crate::gltf::smooth_shading::tilt_flat_normals;
 use crate::gltf::worn_target::WornTarget;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::triangle;
@@ -41,7 +42,9 @@ pub(super) fn scene_pieces(asset: &SourceAsset) -> Vec<ScenePiece> {
         let own = scene_normals(piece);
         let normals =
             smooth.into_iter().enumerate().map(|(v, smooth)| own.get(v).copied().flatten().unwrap_or(smooth));
-        ScenePiece { normals: normals.collect(), positions }
+        let mut normals: Vec<Vec3> = normals.collect();
+        tilt_flat_normals(&positions, &piece.triangles, &mut normals, 0);
+        ScenePiece { normals, positions }
     };
     asset.pieces.iter().zip(positions.into_iter().zip(smooth)).map(with_normals).collect()
 }

@@ -46,7 +46,7 @@ pub(super) struct PieceBase<'a> {
     pub(super) linear: LinearParts,
     /// Normals of the file in own coordinates, if there are any; readers add the target to these numbers.
     pub(super) normals: Option<Vec<Vec3>>,
-    /// Normals to be written in place of those of the file, if any of those are no unit vectors.
+    /// Normals to be written in place of those of the file, if any of those are no unit vectors or would be taken for flat shading.
     pub(super) mended_normals: Option<Vec<[f32; 3]>>,
     /// Tangents of the file in own coordinates, if there are any.
     pub(super) tangents: Option<Vec<Vec3>>,
@@ -56,7 +56,7 @@ pub(super) struct PieceBase<'a> {
 
 /// Morph target and memory attributes of one piece; all lists are per vertex of the piece, own coordinates.
 pub(super) struct WornTarget {
-    /// Normals in place of those of the file, where some of those are no unit vectors.
+    /// Normals in place of those of the file, where some of those are no unit vectors or would be taken for flat shading.
     pub(super) base_normal: Option<Vec<[f32; 3]>>,
     pub(super) position: Vec<[f32; 3]>,
     pub(super) normal: Option<Vec<[f32; 3]>>,

@@ -12,6 +12,7 @@ use crate::gltf::flat_shading::FlatNormals;
 use crate::gltf::json_cursor::Cursor;
 use crate::gltf::morph::{add_targets, default_weights};
 use crate::gltf::obj_to_gltf::{ScenePiece, obj_document, scene_pieces};
+use crate::gltf::smooth_shading::tilt_flat_normals;
 use crate::gltf::sound_normals::mend_normals;
 use crate::gltf::worn_target::{LinearParts, PieceBase, WornShape, WornTarget};
 use crease_geometry::math::Vec3;
@@ -199,7 +200,11 @@ fn piece_base<'a>(
         let accessors = Accessors::new(document);
         let table = accessors.table_of(accessor, width, Some(points.len()), name)?;
         let mut rows = table.rows().map(direction).collect::<Vec<_>>();
-        if name == "NORMAL" && mend_normals(piece, &linear, &mut rows) {
+        let is_new = name == "NORMAL" && {
+            let is_mended = mend_normals(piece, &linear, &mut rows);
+            tilt_flat_normals(&piece.positions, &piece.file_triangles(), &mut rows, 0) || is_mended
+        };
+        if is_new {
             mended_normals = Some(rows.iter().map(|n| [n.x, n.y, n.z].map(|x| x as f32)).collect());
         }
         add_targets(&accessors, &primitive, &weights, name, &mut rows)?;

@@ -20,7 +20,7 @@ pub(super) mod tests;
 mod texels;
 
 pub use input::DetailInput;
-pub use texels::MapDepth;
+pub use texels::{DetailOf, MapDepth, MapOptions};
 
 use crate::gltf::append::Appender;
 use crate::gltf::detail::material::{NormalTextures, TextureTransform, own_normal_map, rotate_with_surface};
@@ -33,6 +33,7 @@ use crate::tuning::TUNING;
 use crease_geometry::math::Vec3;
 use crease_model::error::{Error, Result};
 use crease_model::garment::{GltfDocument, SourceAsset};
+use crease_model::remesh::CreaseDistances;
 
 /// Side lengths of a detail map that can be asked for \[texels\].
 pub const DETAIL_MAP_SIZES: std::ops::RangeInclusive<usize> = 64..=16384;
@@ -48,6 +49,8 @@ pub struct DetailMap {
     pub height_png: Vec<u8>,
     /// Heights of black and white in `height_png` [m].
     pub height_range_m: [f32; 2],
+    /// Angles of creases: PNG, grey, 8 bits, white for half a turn.
+    pub crease_png: Vec<u8>,
     /// Whether the material refers to the map; otherwise `notes` of the result give the reason.
     pub in_material: bool,
     /// Mean angle between the map's directions and the normals of the coarse mesh [degrees].
@@ -67,15 +70,15 @@ pub struct DetailOutput {
     pub notes: Vec<String>,
 }
 
-/// Adds maps of `side` x `side` texels to the worn file `glb` (as [`crate::gltf::write_worn_glb`] wrote it for
+/// Adds maps to the worn file `glb` (as [`crate::gltf::write_worn_glb`] wrote it for
 /// `detail.coarse`; `asset` is its source).
 pub fn add_detail_map(
     glb: &[u8],
     asset: &SourceAsset,
     detail: &DetailInput,
-    side: usize,
-    depth: MapDepth,
+    options: MapOptions,
 ) -> Result<DetailOutput> {
+    let side = options.side;
     if !DETAIL_MAP_SIZES.contains(&side) {
         let message = format!(
             "{side} texels a side are outside {} to {}",
@@ -89,12 +92,14 @@ pub fn add_detail_map(
         return Err(Error::input(&asset.file, "detail map", "the worn file is no glTF", ""));
     };
     let mut notes = Vec::new();
-    let surfaces = surfaces(&worn, document, detail, &mut notes)?;
+    let surfaces = surfaces(&worn, document, detail, options.of, &mut notes)?;
     let mut appender = Appender::from_document(&worn.file, document)?;
-    for surface in &surfaces {
-        surface.add_tangents(&mut appender);
+    if options.of == DetailOf::Rest {
+        surfaces.iter().for_each(|surface| surface.add_tangents(&mut appender));
     }
-    let maps = Maps { document, surfaces: &surfaces, painter: Painter::new(detail, &surfaces), side, depth };
+    let creases = CreaseDistances::new(detail.surface, TUNING.crease_mask_reach);
+    let painter = Painter::new(detail, &surfaces, &creases, options.of);
+    let maps = Maps { document, surfaces: &surfaces, painter, options };
     let maps =
         maps.add(&mut appender, &mut notes).map_err(|e| Error::input(&asset.file, "detail map", e, ""))?;
     Ok(DetailOutput { glb: appender.into_glb(), maps, notes })
@@ -124,8 +129,7 @@ struct Maps<'a> {
     document: &'a GltfDocument,
     surfaces: &'a [ShownSurface<'a>],
     painter: Painter<'a>,
-    side: usize,
-    depth: MapDepth,
+    options: MapOptions,
 }
 
 impl Maps<'_> {
@@ -149,7 +153,7 @@ impl Maps<'_> {
             let own = own_normal_map(self.document, material);
             let transform = match &own {
                 Ok(Some(own)) => own.transform,
-                _ => TextureTransform::fitting(users.iter().map(|&s| &self.surfaces[s]), self.side),
+                _ => TextureTransform::fitting(users.iter().map(|&s| &self.surfaces[s]), self.options.side),
             };
             let all_painted = self.paint(users, transform);
             if all_painted.iter().all(|painted| painted.filled == 0) {
@@ -163,6 +167,9 @@ impl Maps<'_> {
                 let mut painted = painted;
                 let conflicting_fraction = painted.conflicting_fraction();
                 let reason = match &own {
+                    _ if self.options.of == DetailOf::All => Some(format!(
+                        "{called} is left without the normal map of all of the wear: that is for the mesh without it"
+                    )),
                     Err(reason) => Some(format!("the normal map of {called} stays unchanged: {reason}")),
                     Ok(_) if !painted.is_consistent() => Some(format!(
                         "{called} is left without the normal map of the wrinkles: parts of the garment lie on one \
@@ -178,8 +185,9 @@ impl Maps<'_> {
                     rotate_with_surface(&mut painted.texels, own);
                 }
                 painted.texels.pad(TUNING.padding_texels);
-                let normal_png = painted.texels.to_png(self.depth)?;
+                let normal_png = painted.texels.to_png(self.options.depth)?;
                 let (height_png, height_range_m) = painted.texels.height_png()?;
+                let crease_png = painted.texels.crease_png()?;
                 let in_material = reason.is_none();
                 if in_material {
                     let shown: Vec<&ShownSurface> =
@@ -192,6 +200,7 @@ impl Maps<'_> {
                     normal_png,
                     height_png,
                     height_range_m,
+                    crease_png,
                     in_material,
                     mean_tilt_deg: (tilts / painted.filled as f64).to_degrees(),
                     conflicting_fraction,
@@ -204,7 +213,7 @@ impl Maps<'_> {
     /// Paints `users` into one map, or each into a map of its own if they contradict each other in one.
     fn paint(&self, users: Vec<usize>, transform: TextureTransform) -> Vec<Painted> {
         let paint = |surfaces: Vec<usize>| {
-            let texels = self.painter.paint(&surfaces, transform, self.side);
+            let texels = self.painter.paint(&surfaces, transform, self.options.side);
             let filled = texels.filled_count();
             Painted { surfaces, texels, filled }
         };

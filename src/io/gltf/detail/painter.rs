@@ -3,11 +3,13 @@
 use crate::gltf::detail::input::DetailInput;
 use crate::gltf::detail::material::TextureTransform;
 use crate::gltf::detail::surface::ShownSurface;
-use crate::gltf::detail::texels::{TexelSample, Texels};
+use crate::gltf::detail::texels::{DetailOf, TexelSample, Texels};
 use crease_geometry::math::{Mat3, Vec3};
 use crease_geometry::mesh::PointIndex;
+use crease_model::remesh::{CreaseDistances, NearCrease};
 use rustc_hash::FxHashMap;
 use std::cell::Cell;
+use std::f64::consts::PI;
 
 /// Corners of a coarse triangle.
 #[derive(Debug, Clone, Copy)]
@@ -22,6 +24,8 @@ pub(super) struct SurfaceCorners {
 pub(super) struct Painter<'a> {
     detail: &'a DetailInput<'a>,
     surfaces: &'a [ShownSurface<'a>],
+    creases: &'a CreaseDistances<'a>,
+    of: DetailOf,
     /// Per triangle of the garment: the vertices of its corners.
     pub(super) corners: Vec<Option<SurfaceCorners>>,
     /// Per triangle of the garment: a triangle of the worn surface from which its places are searched.
@@ -31,7 +35,12 @@ pub(super) struct Painter<'a> {
 }
 
 impl<'a> Painter<'a> {
-    pub(super) fn new(detail: &'a DetailInput, surfaces: &'a [ShownSurface]) -> Self {
+    pub(super) fn new(
+        detail: &'a DetailInput,
+        surfaces: &'a [ShownSurface],
+        creases: &'a CreaseDistances,
+        of: DetailOf,
+    ) -> Self {
         let sorted = |mut points: [PointIndex; 3]| {
             points.sort_unstable();
             points
@@ -60,8 +69,10 @@ impl<'a> Painter<'a> {
         Self {
             detail,
             surfaces,
+            creases,
+            of,
             corners: corners.collect(),
-            starts: detail.surface.starts(detail.coarse),
+            starts: detail.surface.starts(&detail.coarse.points, &detail.coarse.triangles),
             unworn: unworn.collect(),
         }
     }
@@ -92,7 +103,10 @@ impl<'a> Painter<'a> {
         let (surface, unworn) = (&self.surfaces[corners.surface], &self.unworn[corners.surface]);
         let vertices = corners.vertices;
         let before = coarse.triangles[k].map(|p| coarse.points[p.at()]);
-        let after = coarse.triangles[k].map(|p| coarse.points[p.at()] + displacement[p.at()]);
+        let after = match self.of {
+            DetailOf::Rest => coarse.triangles[k].map(|p| coarse.points[p.at()] + displacement[p.at()]),
+            DetailOf::All => before,
+        };
         let blend = |of: &[Vec3; 3], b: &[f64; 3]| of[0] * b[0] + of[1] * b[1] + of[2] * b[2];
         let own = vertices.map(|v| unworn[v]);
         let normals = vertices.map(|v| surface.worn[v].normal);
@@ -102,7 +116,8 @@ impl<'a> Painter<'a> {
         let Some(start) = self.starts[k] else { return };
         let last = Cell::new(start);
         texels.fill(vertices.map(|v| transform.apply(surface.uvs[v])), &|b| {
-            let place = worn.at(last.get(), &blend(&before, &b));
+            let x = blend(&before, &b);
+            let place = worn.at(last.get(), &x);
             last.set(place.face);
             let n = blend(&normals, &b).try_normalize(1e-9)?;
             let t = blend(&tangents, &b).try_normalize(1e-9)?;
@@ -110,8 +125,17 @@ impl<'a> Painter<'a> {
             let shown = (place.turn * blend(&own, &b)).try_normalize(1e-9)?;
             let direction = (frame.try_inverse()? * shown).try_normalize(1e-9)?;
             // A map cannot point below its surface.
-            (direction.z > 0.0)
-                .then(|| TexelSample { direction, height_m: n.dot(&(place.position - blend(&after, &b))) })
+            (direction.z > 0.0).then(|| TexelSample {
+                direction,
+                height_m: n.dot(&(place.position - blend(&after, &b))),
+                crease: self.creases.at(place.face, &x).map_or(0.0, |crease| mask(&crease)),
+            })
         });
     }
+}
+
+/// Angle of a crease as a fraction of half a turn: as it is within its width, from its border down to none over as much again.
+fn mask(crease: &NearCrease) -> f64 {
+    let beyond = crease.distance / crease.half_width.max(f64::MIN_POSITIVE) - 1.0;
+    crease.angle / PI * (1.0 - beyond).clamp(0.0, 1.0)
 }

@@ -5,6 +5,7 @@ use crate::gltf::append::{Appender, Purpose};
 use crate::gltf::detail::input::DetailInput;
 use crate::gltf::detail::references::{index_of, variant_mappings};
 use crate::gltf::detail::tangents::{Tangent, compute_tangents};
+use crate::gltf::detail::texels::DetailOf;
 use crate::gltf::read_worn::{column, worn_target, worn_target_index};
 use crate::gltf::worn_target::LinearParts;
 use crease_geometry::math::{Vec2, Vec3};
@@ -37,7 +38,7 @@ pub(super) struct ShownSurface<'a> {
     pub(super) points: &'a [PointIndex],
     /// Per vertex, scene: unit normal before wear.
     pub(super) unworn: Vec<Vec3>,
-    /// Per vertex, scene: frame with the worn target applied.
+    /// Per vertex, scene: frame on the mesh that has the map, with the worn target applied or without.
     pub(super) worn: Vec<Frame>,
     /// Tangents that the file lacks, own coordinates.
     pub(super) added: Option<AddedTangents>,
@@ -50,6 +51,7 @@ pub(super) fn surfaces<'a>(
     worn: &'a SourceAsset,
     document: &GltfDocument,
     detail: &'a DetailInput,
+    of: DetailOf,
     notes: &mut Vec<String>,
 ) -> Result<Vec<ShownSurface<'a>>> {
     let mut surfaces = Vec::new();
@@ -65,7 +67,7 @@ pub(super) fn surfaces<'a>(
             notes.push(format!("{} has no {lacks} and gets no map: {cure}", piece.name));
             continue;
         };
-        surfaces.push(ShownSurface::new(&worn.file, document, piece, points, uvs, normals)?);
+        surfaces.push(ShownSurface::new(&worn.file, document, of, piece, points, (uvs, normals))?);
     }
     Ok(surfaces)
 }
@@ -74,14 +76,14 @@ impl<'a> ShownSurface<'a> {
     fn new(
         file: &str,
         document: &GltfDocument,
+        of: DetailOf,
         piece: &'a SourcePiece,
         points: &'a [PointIndex],
-        uvs: &'a [Vec2],
-        normals: &[Vec3],
+        (uvs, normals): (&'a [Vec2], &[Vec3]),
     ) -> Result<Self> {
         let count = piece.positions.len();
         let primitive = &document.json["meshes"][piece.mesh]["primitives"][piece.primitive];
-        let target = worn_target(document, piece).unwrap_or(&Value::Null);
+        let target = worn_target(document, piece).filter(|_| of == DetailOf::Rest).unwrap_or(&Value::Null);
         let displacement = |name: &str| -> Result<Vec<Vec3>> {
             let numbers = column(document, &target[name], 3, count, name)?;
             let rows = numbers.unwrap_or_else(|| vec![0.0; 3 * count]);

@@ -119,7 +119,13 @@ impl RippledSheet {
     }
 
     fn detailed(&self) -> DetailOutput {
-        add_detail_map(&self.worn_glb(), &self.asset, &self.detail(), 1024, MapDepth::Sixteen).unwrap()
+        add_detail_map(
+            &self.worn_glb(),
+            &self.asset,
+            &self.detail(),
+            MapOptions::new(1024, MapDepth::Sixteen),
+        )
+        .unwrap()
     }
 }
 
@@ -131,9 +137,10 @@ fn shown_and_true(scene: &RippledSheet, detailed: &DetailOutput) -> Vec<(Vec3, V
     assert!(keep_worn_pieces(&mut asset));
     let document = asset.document.as_ref().unwrap();
     let detail = scene.detail();
-    let surfaces = surfaces(&asset, document, &detail, &mut Vec::new()).unwrap();
+    let surfaces = surfaces(&asset, document, &detail, DetailOf::Rest, &mut Vec::new()).unwrap();
     assert!(surfaces.iter().all(|s| s.added.is_none()), "the file has tangents now");
-    let painter = Painter::new(&detail, &surfaces);
+    let creases = CreaseDistances::new(&scene.surface, 0.0);
+    let painter = Painter::new(&detail, &surfaces, &creases, DetailOf::Rest);
     let own = own_normal_map(document, surfaces[0].materials[0]).unwrap().expect("the material has the map");
     let mut smooth = vec![Vec3::zeros(); scene.fine.points.len()];
     let position = |p: PointIndex| scene.fine.points[p.at()] + scene.worn.displacement[p.at()];
@@ -226,7 +233,7 @@ fn a_normal_map_that_is_there_is_kept_under_the_wrinkles() {
         ..unworn
     };
     let glb = write_worn_glb(&asset, &coarse, &unworn, &json!({"crease": {"sidecar": "x"}})).unwrap();
-    let second = add_detail_map(&glb, &asset, &detail, 1024, MapDepth::Sixteen).unwrap();
+    let second = add_detail_map(&glb, &asset, &detail, MapOptions::new(1024, MapDepth::Sixteen)).unwrap();
     assert!(second.notes.is_empty(), "{:?}", second.notes);
     let [a, b] = [&first, &second].map(|d| Texels::from_png(&d.maps[0].normal_png).unwrap());
     let off: f64 = a.direction.iter().zip(&b.direction).map(|(a, b)| angle_deg(a, b)).sum::<f64>();
@@ -240,9 +247,14 @@ fn parts_that_do_not_belong_together_are_rejected() {
     let scene = RippledSheet::new(&ripple);
     let glb = scene.worn_glb();
     let short = DetailInput { displacement: &scene.worn.displacement[..3], ..scene.detail() };
-    assert!(add_detail_map(&glb, &scene.asset, &short, 1024, MapDepth::Sixteen).is_err());
-    assert!(add_detail_map(&glb, &scene.asset, &scene.detail(), 7, MapDepth::Sixteen).is_err());
-    assert!(add_detail_map(b"no glTF", &scene.asset, &scene.detail(), 1024, MapDepth::Sixteen).is_err());
+    assert!(add_detail_map(&glb, &scene.asset, &short, MapOptions::new(1024, MapDepth::Sixteen)).is_err());
+    assert!(
+        add_detail_map(&glb, &scene.asset, &scene.detail(), MapOptions::new(7, MapDepth::Sixteen)).is_err()
+    );
+    assert!(
+        add_detail_map(b"no glTF", &scene.asset, &scene.detail(), MapOptions::new(1024, MapDepth::Sixteen))
+            .is_err()
+    );
 }
 
 /// A sheet with edges of some 20 mm, one of them along the line through the middle at `angle` [rad], bent there by 90 degrees.
@@ -297,7 +309,8 @@ fn a_crease_comes_out_of_the_map_with_its_angle_and_width_on_its_line() {
         };
         let extras = json!({"crease": {"sidecar": "x"}});
         let glb = write_worn_glb(&asset, &coarse, &shown, &extras).unwrap();
-        let detailed = add_detail_map(&glb, &asset, &detail, 2048, MapDepth::Sixteen).unwrap();
+        let detailed =
+            add_detail_map(&glb, &asset, &detail, MapOptions::new(2048, MapDepth::Sixteen)).unwrap();
         let map = Texels::from_png(&detailed.maps[0].normal_png).unwrap();
         // In the left island u of the picture is x and v is z.
         let tilt = |level: f64, part: f64| {

@@ -14,6 +14,34 @@ pub enum MapDepth {
     Sixteen,
 }
 
+/// What a map shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum DetailOf {
+    /// What the worn vertices of the file do not show; it goes into the material.
+    #[default]
+    Rest,
+    /// All of the wear, on the mesh before the wear; it is a file.
+    All,
+}
+
+/// Options of detail maps.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MapOptions {
+    /// Texels per side.
+    pub side: usize,
+    /// Bits per channel of the normal map.
+    pub depth: MapDepth,
+    /// What the map shows.
+    pub of: DetailOf,
+}
+
+impl MapOptions {
+    /// Maps of what the worn vertices do not show, of `side` x `side` texels.
+    pub fn new(side: usize, depth: MapDepth) -> Self {
+        Self { side, depth, of: DetailOf::Rest }
+    }
+}
+
 /// Direction and height of one texel.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TexelSample {
@@ -21,6 +49,8 @@ pub(super) struct TexelSample {
     pub(super) direction: Vec3,
     /// Height of the fine surface above the coarse one \[m\].
     pub(super) height_m: f64,
+    /// Angle of the crease there as a fraction of half a turn \[-\], 0 beside creases.
+    pub(super) crease: f64,
 }
 
 /// Unit directions in tangent space, rows from the top.
@@ -32,6 +62,8 @@ pub(super) struct Texels {
     pub(super) direction: Vec<Vec3>,
     /// Height of each texel \[m\]: distance of the fine surface above the coarse one.
     pub(super) height_m: Vec<f32>,
+    /// Angle of the crease at each texel as a fraction of half a turn \[-\].
+    pub(super) crease: Vec<f32>,
     /// Number of texels that two parts of the garment fill with different directions.
     pub(super) conflicts: usize,
 }
@@ -44,6 +76,7 @@ impl Texels {
             height: size,
             direction: vec![Vec3::zeros(); count],
             height_m: vec![0.0; count],
+            crease: vec![0.0; count],
             conflicts: 0,
         }
     }
@@ -85,11 +118,12 @@ impl Texels {
         }
     }
 
-    fn set(&mut self, at: usize, TexelSample { direction, height_m }: TexelSample) {
+    fn set(&mut self, at: usize, TexelSample { direction, height_m, crease }: TexelSample) {
         let present = self.direction[at];
         if present == Vec3::zeros() {
             self.direction[at] = direction;
             self.height_m[at] = height_m as f32;
+            self.crease[at] = crease as f32;
         } else if present.dot(&direction) < TUNING.max_texel_deviation.cos() {
             self.conflicts += 1;
         }
@@ -106,10 +140,10 @@ impl Texels {
             ring.sort_unstable();
             ring.dedup();
             ring.retain(|&at| self.direction[at] == Vec3::zeros());
-            let means: Vec<(Vec3, f32)> = ring.iter().map(|&at| self.neighbour_mean(at)).collect();
-            for (&at, (direction, height)) in ring.iter().zip(means) {
+            let means: Vec<(Vec3, [f32; 2])> = ring.iter().map(|&at| self.neighbour_mean(at)).collect();
+            for (&at, (direction, [height, crease])) in ring.iter().zip(means) {
                 self.direction[at] = direction;
-                self.height_m[at] = height;
+                (self.height_m[at], self.crease[at]) = (height, crease);
             }
             front = ring;
         }
@@ -124,14 +158,16 @@ impl Texels {
         steps.filter(move |&(x, y)| x < width && y < height).map(move |(x, y)| y * width + x)
     }
 
-    fn neighbour_mean(&self, at: usize) -> (Vec3, f32) {
-        let (mut direction, mut height, mut count) = (Vec3::zeros(), 0.0, 0.0f32);
+    fn neighbour_mean(&self, at: usize) -> (Vec3, [f32; 2]) {
+        let (mut direction, mut height, mut crease, mut count) = (Vec3::zeros(), 0.0, 0.0, 0.0f32);
         for near in self.neighbours(at).filter(|&near| self.direction[near] != Vec3::zeros()) {
             direction += self.direction[near];
             height += self.height_m[near];
+            crease += self.crease[near];
             count += 1.0;
         }
-        (direction.try_normalize(1e-9).unwrap_or_else(Vec3::z), height / count.max(1.0))
+        let mean = [height, crease].map(|sum| sum / count.max(1.0));
+        (direction.try_normalize(1e-9).unwrap_or_else(Vec3::z), mean)
     }
 
     /// Returns the direction at texture coordinates `uv`, interpolated bilinearly.
@@ -162,6 +198,12 @@ impl Texels {
         let rows = self.height_m.iter().map(|height| f64::from(0.5 + 0.5 * height / max));
         let png = write_png(self.width, self.height, png::ColorType::Grayscale, MapDepth::Sixteen, rows)?;
         Ok((png, [-max, max]))
+    }
+
+    /// Writes the angles of creases as a grey 8-bit picture: white for half a turn.
+    pub(super) fn crease_png(&self) -> Result<Vec<u8>, String> {
+        let rows = self.crease.iter().map(|crease| f64::from(crease.clamp(0.0, 1.0)));
+        write_png(self.width, self.height, png::ColorType::Grayscale, MapDepth::Eight, rows)
     }
 
     /// Reads the directions of a normal map from a PNG file.
@@ -195,7 +237,8 @@ impl Texels {
         if direction.len() < width * height || direction.is_empty() {
             return Err("it ends too early".into());
         }
-        Ok(Self { width, height, height_m: vec![0.0; direction.len()], direction, conflicts: 0 })
+        let zeros = vec![0.0; direction.len()];
+        Ok(Self { width, height, height_m: zeros.clone(), crease: zeros, direction, conflicts: 0 })
     }
 }
 
@@ -232,7 +275,7 @@ mod tests {
     use super::*;
 
     fn at(direction: Vec3, height_m: f64) -> Option<TexelSample> {
-        Some(TexelSample { direction, height_m })
+        Some(TexelSample { direction, height_m, crease: 0.0 })
     }
 
     fn tilted() -> Vec3 {

@@ -14,6 +14,7 @@ use crate::gltf::append::{Appender, Purpose};
 use crate::gltf::detail::{DetailInput, read_back};
 use crate::gltf::fine::rows::PrimitiveRows;
 use crate::gltf::fine::worn_rows::WornVertex;
+use crate::gltf::smooth_shading::tilt_flat_normals;
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_model::error::{Error, Result};
@@ -74,12 +75,13 @@ pub fn write_fine_glb(
     };
     for (k, piece) in pieces.iter().enumerate() {
         let vertices: Vec<&FineVertex> = numbers.new[k].iter().map(|v| &fine.vertices[*v]).collect();
-        let mut rows = PrimitiveRows::read(document, piece, &vertices)?;
-        let worn = WornVertex::all(piece, detail, &vertices, &fine.points);
-        rows.set_worn(document, piece, &worn)?;
         let own = fine.triangles.iter().filter(|t| numbers.piece_of(t[0]) == k);
         let mut corners: Vec<[u32; 3]> = own.map(|t| t.map(|v| numbers.local(v))).collect();
         corners.extend(&flat[k]);
+        let mut rows = PrimitiveRows::read(document, piece, &vertices)?;
+        rows.tilt_flat(piece, &corners);
+        let worn = WornVertex::all(piece, detail, &vertices, &fine.points);
+        rows.set_worn(document, piece, &worn)?;
         rows.write(&mut appender, piece.source, &corners);
     }
     output.glb = appender.into_glb();
@@ -112,7 +114,7 @@ fn file_triangles(pieces: &[FinePiece], detail: &DetailInput) -> (Vec<FileTriang
         points.sort_unstable();
         points
     };
-    let starts = detail.surface.starts(detail.coarse);
+    let starts = detail.surface.starts(&detail.coarse.points, &detail.coarse.triangles);
     let known = detail.coarse.triangles.iter().map(|t| sorted(t.map(|p| p.0)));
     let starts: FxHashMap<[u32; 3], Option<u32>> = known.zip(starts).collect();
     let (mut all, mut flat) = (Vec::new(), vec![Vec::new(); pieces.len()]);
@@ -175,6 +177,17 @@ impl Numbers {
 }
 
 impl PrimitiveRows {
+    /// Tilts normals of new vertices where `triangles` would be taken for flat-shaded.
+    fn tilt_flat(&mut self, piece: &FinePiece, triangles: &[[u32; 3]]) {
+        let of = |name: &str| self.attributes.iter().position(|rows| rows.name == name && rows.width == 3);
+        let Some((positions, normals)) = of("POSITION").zip(of("NORMAL")) else { return };
+        let positions = self.attributes[positions].vectors();
+        let mut tilted = self.attributes[normals].vectors();
+        if tilt_flat_normals(&positions, triangles, &mut tilted, piece.points.len()) {
+            self.attributes[normals].values = tilted.iter().flat_map(|n| [n.x, n.y, n.z]).collect();
+        }
+    }
+
     /// Writes the rows and `triangles` as those of the primitive of `piece`.
     fn write(&self, appender: &mut Appender, piece: &SourcePiece, triangles: &[[u32; 3]]) {
         let attributes = self.attributes.iter().map(|rows| (rows.name.clone(), rows.append(appender)));

@@ -134,7 +134,7 @@ impl PrimitiveRows {
 
 impl AttributeRows {
     /// The first three numbers of every row.
-    fn vectors(&self) -> Vec<Vec3> {
+    pub(super) fn vectors(&self) -> Vec<Vec3> {
         self.values.chunks_exact(self.width.max(3)).map(|row| Vec3::new(row[0], row[1], row[2])).collect()
     }
 }

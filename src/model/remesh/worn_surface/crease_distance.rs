@@ -1,9 +1,9 @@
 //! Distances from the middle of the creases of a worn surface, searched along the surface.
 
-use crate::remesh::worn_surface::WornSurface;
+use crate::remesh::worn_surface::{CreaseEdge, WornSurface};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::distance::point_triangle_squared;
-use crease_geometry::mesh::triangle::corners;
+use crease_geometry::mesh::triangle::{self, corners};
 
 /// Creases near every triangle of a worn surface.
 #[derive(Debug)]
@@ -11,6 +11,8 @@ pub struct CreaseDistances<'a> {
     surface: &'a WornSurface,
     /// Per triangle: the edges of creases that are near it on the surface.
     near: Vec<Vec<u32>>,
+    /// Per edge of a crease: its angle [rad].
+    angles: Vec<f64>,
 }
 
 /// The crease that is closest to a place.
@@ -22,6 +24,8 @@ pub struct NearCrease {
     pub distance: f64,
     /// Half of its width there [m].
     pub half_width: f64,
+    /// Angle by which the wear bent it there, without sign [rad].
+    pub angle: f64,
 }
 
 impl<'a> CreaseDistances<'a> {
@@ -40,7 +44,8 @@ impl<'a> CreaseDistances<'a> {
                 open.extend_from_slice(surface.walk.around(f));
             }
         }
-        Self { surface, near }
+        let angles = surface.edges.iter().map(|edge| surface.bend(edge)).collect();
+        Self { surface, near, angles }
     }
 
     /// The crease closest to the place `source` of the source surface [m], searched from triangle `start` of the worn surface.
@@ -49,7 +54,8 @@ impl<'a> CreaseDistances<'a> {
         let (at, x) = surface.locate(start, source);
         let each = self.near[at.face as usize].iter().map(|e| (surface.offset(*e, &x).norm(), *e));
         let (distance, edge) = each.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
-        Some(NearCrease { edge, distance, half_width: surface.half_width })
+        let angle = self.angles[edge as usize];
+        Some(NearCrease { edge, distance, half_width: surface.half_width, angle })
     }
 
     /// Distance of the place `source` from the line of edge `edge` of a crease [m], positive on its first side.
@@ -66,6 +72,13 @@ impl WornSurface {
         let along = b - a;
         let part = ((x - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
         x - (a + along * part)
+    }
+
+    /// Angle by which the wear turned the sides of a crease against one another in the middle of `edge` [rad].
+    fn bend(&self, edge: &CreaseEdge) -> f64 {
+        let [a, b] = edge.sides.map(|face| self.side_turn(face, edge, 0.5));
+        let normal = triangle::normal(&corners(&self.points, &self.triangles[edge.sides[0] as usize]));
+        normal.map_or(0.0, |n| (a * n).angle(&(b * n)))
     }
 
     /// About the distance of triangle `f` from edge `e` of a crease [m]: over the corners of the one and the ends and the middle of the other.

@@ -20,7 +20,7 @@ pub use crease_distance::{CreaseDistances, NearCrease};
 pub use creases::Crease;
 pub use opened_memory::opened_memory;
 
-use crate::garment::{Garment, WornGarment};
+use crate::garment::WornGarment;
 use crate::remesh::GarmentSurface;
 use crate::remesh::surface_mesh::{SurfacePoint, clamped_weights, interpolate};
 use crate::remesh::tuning::TUNING;
@@ -107,19 +107,19 @@ impl WornSurface {
         }
     }
 
-    /// Per triangle of `garment`, on whose surface the mesh lies: a triangle of the mesh from which a search for a place of it begins;
+    /// Per triangle of a garment of `points` [m] and `triangles`, on whose surface the mesh lies: a triangle of the mesh from which a search for a place of it begins;
     /// `None` where the mesh has none, such as on trims.
-    pub fn starts(&self, garment: &Garment) -> Vec<Option<u32>> {
-        if self.triangles == garment.triangles {
+    pub fn starts(&self, points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<Option<u32>> {
+        if self.triangles == triangles {
             return (0..self.triangles.len() as u32).map(Some).collect();
         }
         let bvh = TriangleBvh::new(&self.points, &self.triangles, 0.0);
         let normal = |points: &[Vec3], t: &[PointIndex; 3]| triangle::normal(&corners(points, t));
         let own: Vec<Option<Vec3>> = self.triangles.iter().map(|t| normal(&self.points, t)).collect();
         let start = |t: &[PointIndex; 3]| {
-            let x = corners(&garment.points, t);
+            let x = corners(points, t);
             let centre = (x[0] + x[1] + x[2]) / 3.0;
-            let wanted = normal(&garment.points, t);
+            let wanted = normal(points, t);
             let agrees = |f: u32| match (own[f as usize], wanted) {
                 (Some(a), Some(b)) => a.dot(&b) > TUNING.min_start_cosine,
                 _ => true,
@@ -127,7 +127,7 @@ impl WornSurface {
             let found = bvh.nearest_where(&self.points, centre, TUNING.max_start_distance, agrees);
             found.map(|nearest| nearest.triangle)
         };
-        garment.triangles.iter().map(start).collect()
+        triangles.iter().map(start).collect()
     }
 
     /// The worn place of the place `source` of the source surface [m], searched along the surface from triangle `start` of the mesh.
