@@ -100,6 +100,7 @@ mod tests {
             triangles,
             memory: Some(memory),
             confidence: None,
+            surface: None,
         };
         let camera = view.focus_on_memory(&Camera::default());
         let focus = camera.focus.unwrap();

@@ -4,8 +4,10 @@
 //! only shape and curvature can be drawn). Drawing is done by `render`.
 
 use crate::report::render::{
-    Camera, Colouring, Field, Image, curvature, largest_of_hinges, mean_of_hinges, render, side_by_side,
+    Camera, Colouring, Field, Image, curvature, largest_of_hinges, mean_of_hinges, render, render_shaded,
+    side_by_side,
 };
+use crate::report::worn_view::WornView;
 use crease_geometry::math::Vec3;
 
 use crease_geometry::mesh::{Hinge, PointIndex, Topology};
@@ -79,6 +81,8 @@ pub struct GarmentView {
     pub memory: Option<PointMemory>,
     /// Confidence of a transfer, one value per triangle.
     pub confidence: Option<Vec<f64>>,
+    /// Worn surface, which pictures of the worn garment show in place of its own triangles.
+    pub surface: Option<WornView>,
 }
 
 /// Memory per point, as in the attributes of the glTF, and per triangle.
@@ -122,7 +126,14 @@ impl GarmentView {
             before,
             triangles: sidecar.mesh_triangles(),
             vertex_points: sidecar.mesh.source_point.iter().map(|&p| PointIndex(p)).collect(),
+            surface: None,
         }
+    }
+
+    /// Draws the worn surface that `sidecar`, of which the view was made, holds; its own triangles if that has none.
+    pub fn with_worn_surface(self, sidecar: &Sidecar) -> Self {
+        let surface = WornView::of_sidecar(&self.file, sidecar).ok();
+        Self { surface, ..self }
     }
 
     /// Creates the view from a mesh file: the worn pieces of a worn glTF, otherwise the whole garment.
@@ -157,12 +168,25 @@ impl GarmentView {
             vertex_points: garment.source_point,
             memory,
             confidence: None,
+            surface: None,
         })
     }
 
     /// Draws the worn garment; `size` is [width, height] in pixels. Fails if the file lacks the quantity.
     pub fn draw(&self, color_by: ColorBy, camera: &Camera, size: [usize; 2]) -> Result<Image> {
-        render(&self.after, &self.triangles, &self.colouring(color_by)?, camera, size)
+        self.draw_worn(&self.colouring(color_by)?, camera, size)
+    }
+
+    fn draw_worn(&self, colouring: &Colouring, camera: &Camera, size: [usize; 2]) -> Result<Image> {
+        let Some(surface) = &self.surface else {
+            return render(&self.after, &self.triangles, colouring, camera, size);
+        };
+        let colouring = match colouring {
+            Colouring::Shape => Colouring::Shape,
+            Colouring::Field(field) => Colouring::Field(surface.carried(field)),
+        };
+        let normals = Some(&surface.normals[..]);
+        render_shaded(&surface.points, &surface.triangles, normals, &colouring, camera, size)
     }
 
     /// Draws the source shape and the worn shape side by side, each of `size` pixels, with the same colour scale.
@@ -175,7 +199,7 @@ impl GarmentView {
             _ => Colouring::Shape,
         };
         let before = render(&self.before, &self.triangles, &new, camera, size)?;
-        let after = render(&self.after, &self.triangles, &colouring, camera, size)?;
+        let after = self.draw_worn(&colouring, camera, size)?;
         Ok(side_by_side(&before, &after, ["before", "after"]))
     }
 

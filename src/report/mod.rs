@@ -15,6 +15,8 @@ mod swatch;
 mod transfer_report;
 #[cfg(feature = "viewer")]
 mod viewer;
+#[cfg(feature = "render")]
+mod worn_view;
 
 pub use detail_report::DetailReport;
 pub use export::{Export, ExportCheck, ExportFile};
@@ -30,3 +32,5 @@ pub use swatch::{overhang, swatch_page};
 pub use transfer_report::{CarriedSource, TransferReport};
 #[cfg(feature = "viewer")]
 pub use viewer::{HingeLabel, ViewerItem, ViewerPiece, viewer_page};
+#[cfg(feature = "render")]
+pub use worn_view::WornView;

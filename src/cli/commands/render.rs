@@ -1,6 +1,6 @@
 //! `crease render`: a picture of a worn garment, or of any mesh.
 //!
-//! It shows the worn shape in the source pose, with memory from the sidecar beside the file, or else from the attributes
+//! It shows the worn surface in the source pose, with memory, from the sidecar beside the file, or else the shape and the attributes
 //! of the file. Coordinates of an OBJ, such as a frame of a bake, are in metres, y up.
 
 use crate::args::color_by::COLOR_BY;
@@ -75,7 +75,12 @@ const TURN_S: u16 = 4;
 pub fn run(arguments: Arguments) -> Result<()> {
     let mut outputs = Outputs::new([arguments.worn.as_path()]);
     outputs.check(&arguments.output)?;
-    let view = ViewFile::read(&arguments.worn, arguments.references.allow_folder.as_deref())?.view;
+    let ViewFile { view, sidecar, .. } =
+        ViewFile::read(&arguments.worn, arguments.references.allow_folder.as_deref())?;
+    let view = match &sidecar {
+        Some(sidecar) => view.with_worn_surface(sidecar),
+        None => view,
+    };
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
     let color_by = arguments.show;

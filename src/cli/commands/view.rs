@@ -134,7 +134,16 @@ fn simulated_item(
         MeshOptions::default().name("simulated").any_size(true),
     )?;
     let vertex_points = (0..after.len() as u32).map(PointIndex).collect();
-    let view = GarmentView { file, before, after, triangles, vertex_points, memory: None, confidence: None };
+    let view = GarmentView {
+        file,
+        before,
+        after,
+        triangles,
+        vertex_points,
+        memory: None,
+        confidence: None,
+        surface: None,
+    };
     let (glb, pieces) = (plain_glb(&mesh.asset)?, ViewerPiece::of_asset(&mesh.asset));
     Ok(ViewerItem { name: "simulated".to_owned(), glb, pieces, view, hinges: Vec::new(), frames })
 }

@@ -33,6 +33,18 @@ pub fn render(
     camera: &Camera,
     size: [usize; 2],
 ) -> Result<Image> {
+    render_shaded(points, triangles, None, colouring, camera, size)
+}
+
+/// Draws what [`render`] draws with the unit `normals` per triangle and corner; without them with smooth ones.
+pub fn render_shaded(
+    points: &[Vec3],
+    triangles: &[[PointIndex; 3]],
+    normals: Option<&[[Vec3; 3]]>,
+    colouring: &Colouring,
+    camera: &Camera,
+    size: [usize; 2],
+) -> Result<Image> {
     if size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
         return Err(Error::input(
             "picture",
@@ -53,7 +65,9 @@ pub fn render(
     let used = raster::used_points(points, &drawable);
     let projection = camera.aim(&used, [size[0], size[1].saturating_sub(legend_height).max(1)]);
     let samples = raster::rasterise(points, &drawable, &projection, size);
-    let surface = DrawnSurface { points, triangles, drawn: &drawable, colouring };
+    // Normals are those of all triangles.
+    let normals = normals.filter(|normals| normals.len() == drawable.len());
+    let surface = DrawnSurface { points, triangles, drawn: &drawable, normals, colouring };
     let mut image = shade(&surface, &projection, &samples);
     if let Colouring::Field(field) = colouring {
         caption::draw_legend(&mut image, field, legend_height);

@@ -29,6 +29,7 @@ pub(in crate::report) use camera::is_viewed_from_above;
 pub use camera::{Camera, CameraView, Focus};
 pub use caption::{one_above_the_other, side_by_side};
 pub use colour::ColourMap;
-pub use draw::{MAX_SIDE, render};
+pub use draw::{MAX_SIDE, render, render_shaded};
 pub use field::{Colouring, Field, Values, curvature, largest_of_hinges, mean_of_hinges};
 pub use image::{Image, encode_apng, encode_png};
+pub(in crate::report) use surface::smooth_corner_normals;

@@ -25,6 +25,8 @@ pub(super) struct DrawnSurface<'a> {
     pub triangles: &'a [[PointIndex; 3]],
     /// Triangles that are drawn.
     pub drawn: &'a [[usize; 3]],
+    /// Unit normals per drawn triangle and corner; smooth ones without them.
+    pub normals: Option<&'a [[Vec3; 3]]>,
     /// Colours.
     pub colouring: &'a Colouring,
 }
@@ -47,7 +49,10 @@ impl<'a> ShadedSurface<'a> {
         let DrawnSurface { points, drawn, colouring, .. } = *surface;
         let areas: Vec<Vec3> = drawn.iter().map(|t| triangle::area_vector(&t.map(|i| points[i]))).collect();
         let normals: Vec<Vec3> = areas.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect();
-        let corner_normals = corner_normals(points.len(), drawn, &areas, &normals);
+        let corner_normals = match surface.normals {
+            Some(given) => given.to_vec(),
+            None => corner_normals(points.len(), drawn, &areas, &normals),
+        };
         let fractions = legend_fractions(surface);
         Self { drawn, normals, corner_normals, fractions, colouring }
     }
@@ -80,6 +85,14 @@ impl<'a> ShadedSurface<'a> {
             }
         }
     }
+}
+
+/// Returns unit normals per triangle and corner: smooth, but for sharp edges.
+pub fn smooth_corner_normals(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[Vec3; 3]> {
+    let all: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(PointIndex::at)).collect();
+    let areas: Vec<Vec3> = all.iter().map(|t| triangle::area_vector(&t.map(|i| points[i]))).collect();
+    let normals: Vec<Vec3> = areas.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect();
+    corner_normals(points.len(), &all, &areas, &normals)
 }
 
 /// Returns the normals per corner: the mean over the triangles of the point whose normals differ by less than
@@ -122,7 +135,7 @@ fn corner_normals(
 
 /// Returns the values of the corners of drawn triangles as fractions of the range of the legend; NaN where there is none.
 fn legend_fractions(surface: &DrawnSurface) -> Vec<[f64; 3]> {
-    let DrawnSurface { points, triangles, drawn, colouring } = *surface;
+    let DrawnSurface { points, triangles, drawn, colouring, .. } = *surface;
     let point_count = points.len();
     let Colouring::Field(field) = colouring else { return Vec::new() };
     let [low, high] = field.limits();
