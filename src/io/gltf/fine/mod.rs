@@ -80,8 +80,8 @@ pub fn write_fine_glb(
         corners.extend(&flat[k]);
         let mut rows = PrimitiveRows::read(document, piece, &vertices)?;
         rows.tilt_flat(piece, &corners);
-        let worn = WornVertex::all(piece, detail, &vertices, &fine.points);
-        rows.set_worn(document, piece, &worn)?;
+        let worn_vertices = WornVertex::all(piece, detail, &vertices, &fine.points);
+        rows.set_worn(&asset.file, document, piece, &worn_vertices)?;
         rows.write(&mut appender, piece.source, &corners);
     }
     output.glb = appender.into_glb();

@@ -60,9 +60,10 @@ impl WornVertex {
 }
 
 impl PrimitiveRows {
-    /// Sets the rows of the target `worn` to those of `vertices`. What has no place on the worn surface keeps what it has.
+    /// Sets the rows of the target `worn` to those of `vertices`; `file` is its name in messages. What has no place on the worn surface keeps what it has.
     pub(super) fn set_worn(
         &mut self,
+        file: &str,
         document: &GltfDocument,
         piece: &FinePiece,
         vertices: &[WornVertex],
@@ -75,7 +76,7 @@ impl PrimitiveRows {
         let placements: Vec<Mat4> = vertices.iter().map(|vertex| vertex.placement).collect();
         let parts = LinearParts::new(&placements).map_err(|v| {
             let message = format!("the transform of vertex {v} flattens it");
-            Error::input(&document.json["asset"]["generator"].to_string(), &source.name, message, "")
+            Error::input(file, &source.name, message, "give every node and joint a scale other than 0")
         })?;
         let shown = |name: &str| self.shown(name, &weights);
         let (positions, normals, tangents) = (shown("POSITION"), shown("NORMAL"), shown("TANGENT"));
