@@ -341,3 +341,47 @@ fn a_crease_comes_out_of_the_map_with_its_angle_and_width_on_its_line() {
         }
     }
 }
+
+#[test]
+fn a_map_of_all_of_the_wear_is_for_the_mesh_without_it() {
+    let scene = RippledSheet::new(&ripple);
+    let options = MapOptions { of: DetailOf::All, ..MapOptions::new(1024, MapDepth::Sixteen) };
+    let detailed = add_detail_map(&scene.worn_glb(), &scene.asset, &scene.detail(), options).unwrap();
+    assert!(!detailed.maps[0].in_material && detailed.notes.len() == 1, "{:?}", detailed.notes);
+    let map = Texels::from_png(&detailed.maps[0].normal_png).unwrap();
+    // The left island shows x and z of the level sheet as u and v of the picture.
+    for (i, j) in (2..9).flat_map(|i| (2..9).map(move |j| (i, j))) {
+        let x = Vec3::new(0.013 * f64::from(i), 0.0, 0.027 * f64::from(j));
+        let slope = |d: Vec3| (ripple(&(x + d)) - ripple(&(x - d))) / (2.0 * d.norm());
+        let (along, down) = (slope(Vec3::x() * 1e-5), slope(Vec3::z() * 1e-5));
+        let truth = Vec3::new(-along, down, 1.0).normalize();
+        let shown = map.sample(Vec2::new(0.05 + 0.45 * x.x / SIDE, 0.5 + 0.45 * x.z / SIDE));
+        assert!(angle_deg(&truth, &shown) < 4.0, "{shown} for {truth}");
+    }
+}
+
+#[test]
+fn the_mask_of_creases_has_their_angles() {
+    let (asset, coarse, shown, surface) = creased_sheet(0.0);
+    let detail = DetailInput {
+        coarse: &coarse,
+        displacement: &shown.displacement,
+        surface: &surface,
+        flat_normals: FlatNormals::default(),
+    };
+    let glb = write_worn_glb(&asset, &coarse, &shown, &json!({"crease": {"sidecar": "x"}})).unwrap();
+    let options = MapOptions::new(1024, MapDepth::Eight);
+    let detailed = add_detail_map(&glb, &asset, &detail, options).unwrap();
+    let mut reader =
+        png::Decoder::new(std::io::Cursor::new(&detailed.maps[0].crease_png)).read_info().unwrap();
+    let mut grey = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut grey).unwrap();
+    // In the left island the crease of 90 degrees lies at v = 0.725, 2 mm wide.
+    let at = |level: f64| {
+        let [u, v] = [0.05 + 0.45 * 0.09 / SIDE, 0.5 + 0.45 * (0.5 * SIDE + level) / SIDE];
+        grey[(v * 1024.0) as usize * 1024 + (u * 1024.0) as usize]
+    };
+    assert!(at(0.0).abs_diff(127) <= 4, "{}", at(0.0));
+    assert!((20..115).contains(&at(0.0015)), "{}", at(0.0015));
+    assert_eq!((at(0.004), at(-0.004)), (0, 0));
+}
