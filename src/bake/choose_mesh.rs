@@ -84,6 +84,10 @@ impl MeshChoice {
         let lengths = EdgeLengths::new(garment, options.finest_edge());
         if let Some(animated) = &options.body {
             let creased = CreasedCloth::new(garment, animated, &script.body_poses(animated));
+            let coarsest = TUNING.simulation_mesh.max_factor_on_body * lengths.line;
+            if creased.triangles.is_empty() && garment.mean_edge() >= coarsest {
+                return own("the body bends none of it, and no mesh on a body is coarser".into());
+            }
             return Self::on_body(garment, &creased, lengths);
         }
         let DrawnLines { mut mesh, foresight, layout } =

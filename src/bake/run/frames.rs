@@ -24,8 +24,10 @@ pub struct FrameSchedule {
     /// Frames that the observer was given.
     pub shown: u64,
     /// Those in which triangles cross.
+    #[serde(default)]
     pub crossing: u64,
     /// Pairs of triangles that cross in one of them at most.
+    #[serde(default)]
     pub max_crossing_pairs: u64,
 }
 
