@@ -18,6 +18,8 @@ mod limbs;
 mod made;
 #[path = "transfer/measure.rs"]
 mod measure;
+#[path = "transfer/sizes.rs"]
+mod sizes;
 #[path = "transfer/textures.rs"]
 mod textures;
 #[path = "transfer/tool.rs"]

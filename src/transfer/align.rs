@@ -2,7 +2,7 @@
 //! openings and bounding boxes.
 
 use crate::transfer::canonical_pose::CanonicalPose;
-use crate::transfer::limb_alignment::{Figure, LimbAlignment, align_limbs, scaling};
+use crate::transfer::limb_alignment::{Figure, LimbAlignment, align_limbs, hang_from_one_place, scaling};
 use crate::transfer::limbs::{Anatomy, Region};
 use crate::transfer::openings::{BodyScale, body_scale};
 use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
@@ -62,6 +62,38 @@ impl Alignment<'_> {
     fn in_place(&self) -> AlignedSource {
         let pose = CanonicalPose { centre: self.target.pose.centre, ..*self.pose };
         AlignedSource::whole(pose.apply(self.surface, Vec3::repeat(1.0)), AlignedBy::InPlace)
+    }
+
+    /// Whether both garments are where one body has them: most of the target lies close to the source, and they are not two sizes of
+    /// one garment whose files have them in one place.
+    fn shares_its_place(&self) -> bool {
+        if self.pose.rotation != self.target.pose.rotation {
+            return false;
+        }
+        let placed = self.in_place();
+        is_close(&placed, self.target) && !self.is_another_size(&placed.surface)
+    }
+
+    /// Whether the source, `placed` as its file has it, and the target are one kind of garment in two sizes.
+    fn is_another_size(&self, placed: &GarmentSurface) -> bool {
+        let AlignmentTarget { pose, canonical } = self.target;
+        let scale = self.pose.scale_to(pose);
+        let differs = |ratio: f64| ratio.ln().abs() > TUNING.max_size_deviation;
+        if !differs(scale.x) && !differs(scale.y) {
+            return false;
+        }
+        let anatomy = Anatomy::of(placed);
+        let source = Figure { surface: placed, anatomy: &anatomy };
+        let anatomy = Anatomy::of(canonical);
+        let target = Figure { surface: canonical, anatomy: &anatomy };
+        if !source.anatomy.is_of_kind(target.anatomy) {
+            return false;
+        }
+        // Cloth that lies flat is on no body: a garment of the same kind is another size, but a small piece is cut out of the cloth.
+        if self.pose.flat && pose.flat {
+            return source.anatomy.has_roles() || scale.x.max(scale.y) > TUNING.max_cut_out_scale;
+        }
+        source.anatomy.has_roles() && !hang_from_one_place(source, target, pose.size.norm())
     }
 
     /// The source with its bounding box scaled to the target's.
@@ -145,16 +177,14 @@ pub(super) fn align_source(
     };
     match options.align {
         Align::InPlace => Ok(alignment.in_place()),
-        Align::Auto if pose.rotation == target.pose.rotation && is_close(&alignment.in_place(), target) => {
-            Ok(alignment.in_place())
-        }
+        Align::Auto if alignment.shares_its_place() => Ok(alignment.in_place()),
         Align::Joints if pairs.is_empty() => Err(Error::input(
             &source.file,
             "mesh.joints",
             if options.mirror_x {
                 "mirrored, its joints are not those of the target"
             } else {
-                "it and the target do not follow three joints of the same names or more"
+                "it and the target share no bone: no three joints of the same names, nor two that follow one another"
             },
             use_box() + ", or mark points with " + Setting::Landmarks,
         )),

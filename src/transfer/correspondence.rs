@@ -213,14 +213,26 @@ pub(super) fn position_of_place(surface: &GarmentSurface, place: &NearestTriangl
     surface.corners(place.triangle as usize).iter().zip(place.weights()).map(|(x, w)| x * w).sum()
 }
 
-/// Returns the texture island of every triangle of `source`, if two of them lie on one another; else nothing. Triangles of one
-/// island continue each other in texture space, on the same side of it.
+/// Returns the texture island of every triangle of `source`, if two of them lie on one another; else nothing.
 fn overlapping_islands(
     source: &GarmentSurface,
     uvs: &[[Vec2; 3]],
     tree: &TriangleBvh,
     points: &[Vec3],
 ) -> Vec<u32> {
+    let islands = texture_islands(source, uvs);
+    let overlaps = |f: usize| {
+        let centre = (uvs[f][0] + uvs[f][1] + uvs[f][2]) / 3.0;
+        let other = |g: u32| islands[g as usize] != islands[f];
+        tree.nearest_where(points, Vec3::new(centre.x, centre.y, 0.0), TUNING.uv_continuity_tol, other)
+            .is_some()
+    };
+    if (0..uvs.len()).any(overlaps) { islands } else { Vec::new() }
+}
+
+/// Returns the texture island of every triangle of `source`. Triangles of one island continue each other in texture space, on the same
+/// side of it.
+pub(super) fn texture_islands(source: &GarmentSurface, uvs: &[[Vec2; 3]]) -> Vec<u32> {
     let turn = |f: usize| (uvs[f][1] - uvs[f][0]).perp(&(uvs[f][2] - uvs[f][0]));
     let uv_of =
         |f: usize, p: PointIndex| source.triangles[f].iter().position(|own| *own == p).map(|k| uvs[f][k]);
@@ -235,14 +247,7 @@ fn overlapping_islands(
             groups.join(a as u32, b as u32);
         }
     }
-    let islands: Vec<u32> = groups.numbered().0.iter().map(|island| island.0).collect();
-    let overlaps = |f: usize| {
-        let centre = (uvs[f][0] + uvs[f][1] + uvs[f][2]) / 3.0;
-        let other = |g: u32| islands[g as usize] != islands[f];
-        tree.nearest_where(points, Vec3::new(centre.x, centre.y, 0.0), TUNING.uv_continuity_tol, other)
-            .is_some()
-    };
-    if (0..uvs.len()).any(overlaps) { islands } else { Vec::new() }
+    groups.numbered().0.iter().map(|island| island.0).collect()
 }
 
 /// 1 at distance 0, falling linearly to 0 at `max_distance`.

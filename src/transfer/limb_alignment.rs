@@ -88,6 +88,18 @@ fn body_scale(source: Figure, target: Figure, shared: &[[&Limb; 2]]) -> Option<f
     Some(if ratio.ln().abs() <= TUNING.max_person_deviation { 1.0 } else { ratio })
 }
 
+/// Whether the upper openings and the roots of the limbs of two garments of one kind lie where one body has them: distances are
+/// compared with `size`, the diagonal of the target [m].
+pub(super) fn hang_from_one_place(source: Figure, target: Figure, size: f64) -> bool {
+    let max_distance = TUNING.max_root_distance_fraction * size;
+    let is_near = |limb: &Limb| {
+        let Some(other) = target.anatomy.limb(limb.role) else { return true };
+        let distance = limb.ring(source.surface, 0.0).centre - other.ring(target.surface, 0.0).centre;
+        distance.norm() <= max_distance
+    };
+    source.anatomy.limbs.iter().filter(|limb| limb.role != LimbRole::Hem).all(is_near)
+}
+
 impl<'a> LimbPair<'a> {
     fn new(source: &'a Limb, target: &'a Limb, scale: f64) -> Self {
         let own = scale * source.length;

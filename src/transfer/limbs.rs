@@ -99,6 +99,8 @@ pub(super) struct Anatomy {
     pub limbs: Vec<Limb>,
     /// The garment is one tube, with its two openings.
     pub tube: Option<[Limb; 2]>,
+    /// Openings of any role or none.
+    opening_count: usize,
     /// Per triangle: connected part.
     part: Vec<u32>,
 }
@@ -155,7 +157,7 @@ impl Anatomy {
             loops.iter().filter_map(|border| Some((border, outline(border)?))).collect();
         // Lace, or pieces that are not sewn: their borders say nothing of a body.
         if outlines.len() > TUNING.max_openings {
-            return Self { limbs: Vec::new(), tube: None, part };
+            return Self { limbs: Vec::new(), tube: None, opening_count: outlines.len(), part };
         }
         let mut openings = Vec::new();
         for (border, outline) in outlines {
@@ -177,7 +179,21 @@ impl Anatomy {
         }
         let is_single = |limb: &Limb| limbs.iter().filter(|other| other.role == limb.role).count() == 1;
         let limbs = if limbs.iter().all(is_single) { limbs } else { Vec::new() };
-        Self { limbs, tube, part }
+        Self { limbs, tube, opening_count: openings.len(), part }
+    }
+
+    /// Whether limbs are known.
+    pub fn has_roles(&self) -> bool {
+        !self.limbs.is_empty()
+    }
+
+    /// Whether both garments have the same limbs, or, where none are known, as many openings.
+    pub fn is_of_kind(&self, other: &Self) -> bool {
+        let has = |all: &[Limb], role: LimbRole| all.iter().any(|limb| limb.role == role);
+        self.limbs.iter().all(|limb| has(&other.limbs, limb.role))
+            && other.limbs.iter().all(|limb| has(&self.limbs, limb.role))
+            && self.tube.is_some() == other.tube.is_some()
+            && self.opening_count == other.opening_count
     }
 
     /// The limb of a role.

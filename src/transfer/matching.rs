@@ -16,6 +16,7 @@ use crate::transfer::limbs::Region;
 use crate::transfer::line_memory::LineMemory;
 use crate::transfer::mesh_on_target::MeshOnTarget;
 use crate::transfer::options::{Align, AlignedBy, MatchBy, SourceOutcome, TransferOptions, TransferSource};
+use crate::transfer::simulated_texture::with_texture_of;
 use crate::transfer::texture_agreement::{TextureAgreement, ambiguous_fraction, has_texture};
 use crease_model::error::{Error, Result};
 use crease_model::remesh::{GarmentSurface, MemoryDelta, resample};
@@ -154,12 +155,12 @@ impl AlignedMemory {
                 mode = MatchMode::Uv;
             }
         }
-        if let (true, Some((own, memory))) = (mode != MatchMode::Uv, &source.simulated) {
-            let mirrored = options.mirror_x.then(|| own.mirrored(memory));
-            let (own, memory) = mirrored.as_ref().map_or((own, memory), |(own, memory)| (own, memory));
+        let by_texture = mode == MatchMode::Uv;
+        if let Some((own, memory)) = simulated_source(source, by_texture, options.mirror_x) {
             let earned = TransferSource { simulated: None, ..source.clone() };
-            let by_position = TransferOptions { match_by: MatchBy::Surface, ..options.clone() };
-            return Self::new(&earned, own, memory, aligned_to, &by_position);
+            let match_by = if by_texture { MatchBy::Uv } else { MatchBy::Surface };
+            let options = TransferOptions { match_by, ..options.clone() };
+            return Self::new(&earned, &own, &memory, aligned_to, &options);
         }
         let AlignedSource { surface, by, regions, notes } = aligned;
         // The texture says which cloth belongs together, whatever limb it is of.
@@ -185,15 +186,20 @@ impl AlignedMemory {
         let finder = self.finder(aligned_to);
         let faces = resample(&finder, &self.memory, target, self.orientation(aligned_to));
         let by_texture = self.mode == MatchMode::Uv;
+        let losses = transfer_losses(&self.surface, &self.memory, target, &faces);
         SourceResult {
             delta: MemoryDelta::from_faces(target, &faces),
             outcome: SourceOutcome {
                 matched_by: if by_texture { MatchBy::Uv } else { MatchBy::Surface },
                 aligned_by: Some(self.by),
-                losses: transfer_losses(&self.surface, &self.memory, target, &faces),
+                losses,
                 ambiguous_fraction: if by_texture { ambiguous_fraction(&finder, target) } else { 0.0 },
             },
-            confidence: faces.iter().map(|face| face.confidence).collect(),
+            // What arrived is in doubt as far as the rest did not.
+            confidence: faces
+                .iter()
+                .map(|face| face.confidence * (1.0 - losses.lost_crease_fraction))
+                .collect(),
             notes: self.notes.clone(),
         }
     }
@@ -209,6 +215,22 @@ impl AlignedMemory {
         let length = |[a, b]: &[PointIndex; 2]| (target.points[a.at()] - target.points[b.at()]).norm();
         let mean_edge = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
         crease_lines(&self.surface, &self.memory, mean_edge, aligned_to.pose.size.norm())
+    }
+}
+
+/// The mesh on which the memory of `source` was earned, with that memory, where it is known: mirrored if asked for, and with the
+/// coordinates of the texture for a match `by_texture`.
+fn simulated_source(
+    source: &TransferSource,
+    by_texture: bool,
+    mirror_x: bool,
+) -> Option<(GarmentSurface, RestState)> {
+    let (own, memory) = source.simulated.as_ref()?;
+    match (by_texture, mirror_x) {
+        (true, true) => None,
+        (true, false) => Some((with_texture_of(own, &source.surface)?, memory.clone())),
+        (false, true) => Some(own.mirrored(memory)),
+        (false, false) => Some((own.clone(), memory.clone())),
     }
 }
 

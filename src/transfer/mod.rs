@@ -32,6 +32,7 @@ mod options;
 mod pipeline;
 mod registration;
 mod relax;
+mod simulated_texture;
 mod texture_agreement;
 mod tuning;
 mod warnings;

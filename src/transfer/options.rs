@@ -37,8 +37,8 @@ impl MatchBy {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Align {
-    /// In place, if most of the target lies close to the source there (both were made for one body); else by the joints of
-    /// one skeleton that both follow, if there are a few; else by bounding boxes, or by openings where these mislead.
+    /// In place, if most of the target lies close to the source there and both were made for one body, not for two sizes; else by the
+    /// joints of one skeleton that both follow, if there are a bone or more; else by bounding boxes, or by openings where these mislead.
     #[default]
     Auto,
     /// By the joints of one skeleton that both follow.

@@ -73,10 +73,14 @@ pub(super) fn transfer_along_creases(
         (Some(on), Some((garment, _))) => prolongate(&on.mesh, &on.memory, garment),
         _ => sum.apply(target, &options.scale()),
     };
+    let empty_reason = empty_reason(sources, &memory, options);
+    if empty_reason.is_some() {
+        confidence.fill(0.0);
+    }
     let mean = mean_confidence(target, &confidence);
     Ok(TransferResult {
-        warnings: notes.into_iter().chain(transfer_warnings(sources, &outcomes, mean)).collect(),
-        empty_reason: empty_reason(sources, &memory, options),
+        warnings: notes.into_iter().chain(transfer_warnings(sources, &outcomes, options, mean)).collect(),
+        empty_reason,
         memory,
         on_mesh,
         strength: options.strength,
@@ -163,7 +167,8 @@ fn unchanged(
     aligned_to: &AlignmentTarget,
     options: &TransferOptions,
 ) -> TransferResult {
-    let confidence = vec![1.0; target.triangles.len()];
+    let empty_reason = empty_reason(std::slice::from_ref(source), &source.memory, options);
+    let confidence = vec![if empty_reason.is_some() { 0.0 } else { 1.0 }; target.triangles.len()];
     TransferResult {
         memory: source.memory.clone(),
         sources: vec![ENTRY_BY_ENTRY],
@@ -173,6 +178,6 @@ fn unchanged(
         strength: options.strength,
         unchanged: true,
         warnings: Vec::new(),
-        empty_reason: empty_reason(std::slice::from_ref(source), &source.memory, options),
+        empty_reason,
     }
 }

@@ -165,6 +165,14 @@ impl JointPair<'_> {
         other.source.parent.as_ref() == Some(&self.source.name)
             && other.target.parent.as_ref() == Some(&self.target.name)
     }
+
+    /// Whether a bone of at least `min_length` [m] on the source leads from one of both to the other.
+    fn are_bone(a: &Self, b: &Self, min_length: f64) -> bool {
+        let length = |from: Vec3, to: Vec3| (to - from).norm();
+        (a.is_parent_of(b) || b.is_parent_of(a))
+            && length(a.source.position, b.source.position) >= min_length
+            && length(a.target.position, b.target.position) > 0.0
+    }
 }
 
 /// The joint of `joints` that is called like `joint`; without prefixes of exporters ("mixamorig:LeftArm", "Armature|LeftArm")
@@ -179,13 +187,18 @@ fn joint_like<'a>(joint: &SourceJoint, joints: &'a [SourceJoint]) -> Option<&'a 
 }
 
 /// Point pairs from joints of equal names: the joints themselves, and points beside them along their axes, which carry
-/// their rotations. Empty for fewer than three. `size` is the box diagonal of the source [m].
+/// their rotations. Empty for fewer than three, unless two are the ends of a bone of some length. `size` is the box diagonal of the
+/// source [m].
 pub(super) fn joint_point_pairs(source: &[SourceJoint], target: &[SourceJoint], size: f64) -> Vec<PointPair> {
     let shared: Vec<JointPair> = source
         .iter()
         .filter_map(|joint| Some(JointPair { source: joint, target: joint_like(joint, target)? }))
         .collect();
-    if shared.len() < TUNING.min_shared_joints {
+    let is_skeleton = match shared.as_slice() {
+        [a, b] => JointPair::are_bone(a, b, TUNING.min_bone_fraction * size),
+        all => all.len() >= TUNING.min_shared_joints,
+    };
+    if !is_skeleton {
         return Vec::new();
     }
     // The offset on the target scales with the size of the skeletons.

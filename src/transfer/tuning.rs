@@ -84,6 +84,17 @@ pub(super) struct TransferTuning {
     /// Smallest number of joints of equal names that make two skeletons the same, default 3: any two rigs may have equal
     /// roots.
     pub min_shared_joints: usize,
+    /// Length of a bone between two joints from which these two suffice, relative to the source's box diagonal [-], default 0.1.
+    pub min_bone_fraction: f64,
+    /// Logarithm of the ratio of sides of the boxes above which garments of one kind are two sizes [-], default 0.03.
+    pub max_size_deviation: f64,
+    /// Scale from a piece of cloth to another one inside it up to which that is cut out of it [-], default 0.5: sizes of one garment
+    /// differ by less.
+    pub max_cut_out_scale: f64,
+    /// Distance between the roots of limbs of one role on one body [fraction], default 0.04.
+    pub max_root_distance_fraction: f64,
+    /// Strength above which a transfer warns [-], default 4: a memory is rarely too weak by more.
+    pub max_usual_strength: f64,
     /// Positions along a bone that also carry its rotation, relative to its length [-], default thirds.
     pub bone_fractions: [f64; 2],
     /// Largest coordinate of a landmark [m], default 1e6: squares of larger numbers leave the range in which rotations
@@ -157,6 +168,11 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     max_collinear_ratio: 0.05,
     joint_offset_fraction: 0.05,
     min_shared_joints: 3,
+    min_bone_fraction: 0.1,
+    max_size_deviation: 0.03,
+    max_cut_out_scale: 0.5,
+    max_root_distance_fraction: 0.04,
+    max_usual_strength: 4.0,
     bone_fractions: [1.0 / 3.0, 2.0 / 3.0],
     max_coordinate_m: 1e6,
     max_joint_points: 1500,

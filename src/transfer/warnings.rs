@@ -10,9 +10,11 @@ use crease_model::remesh::Channels;
 pub(super) fn transfer_warnings(
     sources: &[TransferSource],
     outcomes: &[SourceOutcome],
+    options: &TransferOptions,
     confidence: f64,
 ) -> Vec<Message> {
-    let mut warnings = Vec::new();
+    let mut warnings = repeated_sources(sources);
+    warnings.extend(strength_warning(sources, options));
     if confidence < TUNING.min_confidence {
         let by_box = outcomes.iter().any(|outcome| {
             matches!(outcome.aligned_by, Some(AlignedBy::Box | AlignedBy::Openings | AlignedBy::Limbs))
@@ -51,6 +53,43 @@ pub(super) fn transfer_warnings(
         }
     }
     warnings
+}
+
+/// Returns the warnings on memories that are given several times: they add up.
+fn repeated_sources(sources: &[TransferSource]) -> Vec<Message> {
+    let is_same =
+        |a: &TransferSource, b: &TransferSource| a.memory == b.memory && a.surface.is_same_mesh(&b.surface);
+    let mut warnings = Vec::new();
+    for (k, source) in sources.iter().enumerate() {
+        if sources[..k].iter().any(|earlier| is_same(earlier, source)) {
+            continue;
+        }
+        let count = 1 + sources[k + 1..].iter().filter(|later| is_same(source, later)).count();
+        if count > 1 {
+            let what = format!(
+                "{}: the same memory is given {count} times, and its angles add up to {count} times those that were worn; give it \
+                 once",
+                source.file
+            );
+            warnings.push(Message::from(what));
+        }
+    }
+    warnings
+}
+
+/// Returns the warning on a strength far beyond what was worn.
+fn strength_warning(sources: &[TransferSource], options: &TransferOptions) -> Option<Message> {
+    let TransferOptions { strength, .. } = *options;
+    let largest =
+        |source: &TransferSource| source.memory.angle_changes().fold(0.0, |max: f64, a| max.max(a.abs()));
+    let angle = sources.iter().map(largest).fold(0.0, f64::max).to_degrees();
+    let what = format!(
+        "a strength of {strength} multiplies every change by it: the largest angle of the sources, {angle:.0} degrees, would be \
+         {:.0} degrees, and angles end at 180; give ",
+        strength * angle
+    );
+    (strength > TUNING.max_usual_strength)
+        .then(|| Message::from(what) + Setting::Strength.to_number("1") + " for the memory as it was worn")
 }
 
 /// Returns the reason why nothing was transferred, if `memory` is none: that of a target with no earlier memory.
