@@ -134,6 +134,8 @@ pub struct ActionStart {
     pub start_positions: Option<Vec<Vec3>>,
     /// How the garment lies there, where it is laid out flat first.
     pub laid_out: Option<LaidOut>,
+    /// What is to be said of the start in the report.
+    pub note: Option<Message>,
     /// Duration [s], where only the body determines it.
     pub duration: Option<f64>,
 }
@@ -141,7 +143,13 @@ pub struct ActionStart {
 impl ActionStart {
     /// The start of `runner` from the present positions.
     pub fn here(runner: impl ActionRunner + 'static) -> Result<Self> {
-        Ok(Self { runner: Box::new(runner), start_positions: None, laid_out: None, duration: None })
+        Ok(Self {
+            runner: Box::new(runner),
+            start_positions: None,
+            laid_out: None,
+            note: None,
+            duration: None,
+        })
     }
 }
 

@@ -8,6 +8,7 @@
 mod action_runner;
 mod actions;
 mod fraction;
+mod imperfection;
 mod layout;
 mod motion;
 mod persistent_state;

@@ -163,6 +163,11 @@ pub(super) struct OtherActionTuning {
     pub sphere_dt_fraction: f64,
     /// Size of the grip of a hanging garment relative to its box diagonal [-], default 0.01.
     pub hang_grip_fraction: f64,
+    /// Largest distance of points from a plane in which they count as lying, relative to the diagonal of their box [-], default 1e-6:
+    /// single precision rounds by less.
+    pub planar_fraction: f64,
+    /// Largest distance off that plane at which cloth begins that lies in it [m], default 1e-5.
+    pub imperfection: f64,
     /// Largest step while a garment begins to hang [s], default 0.1.
     pub hang_max_dt: f64,
     /// Time after which a garment hangs still [s], default 10: steps grow from then on, and a longer action is not ended early,
@@ -321,6 +326,8 @@ pub(super) const TUNING: WearTuning = WearTuning {
         sphere_pressure: 400.0,
         sphere_dt_fraction: 0.01,
         hang_grip_fraction: 0.01,
+        planar_fraction: 1e-6,
+        imperfection: 1e-5,
         hang_max_dt: 0.1,
         hang_swing_time: 10.0,
         hang_dt_growth: 0.1,

@@ -123,6 +123,7 @@ impl Run<'_> {
                     self.report.decisions.push(laid_out(quality));
                     self.report.warnings.extend(quality.warning());
                 }
+                self.report.warnings.extend(begun.note.take());
                 if let Some(placed) = begun.start_positions {
                     self.state.x = placed;
                     self.state.stop();

@@ -1,6 +1,7 @@
 //! `crumple`: the garment is squeezed into a ball, as in a fist or a full suitcase.
 
 use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
+use crate::wear::imperfection::{imperfection_note, off_the_plane};
 use crate::wear::motion::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
 use crate::wear::tuning::TUNING;
@@ -55,14 +56,18 @@ impl WearAction for Crumple {
         persistent.laid_bend.clear();
         persistent.held_loads = None;
         let ground = persistent.ground;
-        ActionStart::here(CrumpleRunner {
+        // On the ground it is its weight that lets cloth leave its plane.
+        let imperfect = if ground.is_none() { off_the_plane(context.positions) } else { None };
+        let start = ActionStart::here(CrumpleRunner {
             centre,
             first_radius,
             last_radius,
             over: self.over_s,
             ground,
             wetness: self.wet.then(wet_cloth),
-        })
+        })?;
+        let note = imperfect.as_ref().map(|_| imperfection_note("crumple").into());
+        Ok(ActionStart { start_positions: imperfect, note, ..start })
     }
 
     fn example() -> Self {

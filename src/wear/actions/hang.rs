@@ -3,6 +3,7 @@
 use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
 use crate::wear::actions::lay::{Facing, Lay, LyingDirections};
 use crate::wear::fraction::Fraction2;
+use crate::wear::imperfection::{imperfection_note, off_the_plane};
 use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::persistent_state::{GarmentFrame, PersistentState};
 use crate::wear::tuning::TUNING;
@@ -198,7 +199,9 @@ impl WearAction for Hang {
                 set_fraction: wet.set_fraction,
             }),
         })?;
-        Ok(ActionStart { start_positions: Some(hung), ..start })
+        let imperfect = off_the_plane(&hung);
+        let note = imperfect.as_ref().map(|_| imperfection_note("hang").into());
+        Ok(ActionStart { start_positions: Some(imperfect.unwrap_or(hung)), note, ..start })
     }
 
     fn example() -> Self {
