@@ -236,6 +236,9 @@ pub(super) struct BodyWatchTuning {
     pub min_pairs: usize,
     /// The same as a fraction of the triangles of the garment [-], default 0.1.
     pub max_pair_fraction: f64,
+    /// Pairs that may be left after the last step, beyond those of the start, default 20: corners of the body between points of the
+    /// cloth make a few.
+    pub max_pairs_at_end: usize,
     /// Time for which there may be so many [s], default 0.5: a fast motion recovers within that.
     pub max_time: f64,
 }
@@ -411,7 +414,13 @@ impl BakeTuning {
             following_length: 0.3,
             carried_length: 0.02,
         },
-        body_watch: BodyWatchTuning { margin: 0.15, min_pairs: 200, max_pair_fraction: 0.1, max_time: 0.5 },
+        body_watch: BodyWatchTuning {
+            margin: 0.15,
+            min_pairs: 200,
+            max_pairs_at_end: 20,
+            max_pair_fraction: 0.1,
+            max_time: 0.5,
+        },
         relax: RelaxTuning {
             load_increments: 6,
             body_rounds: 3,

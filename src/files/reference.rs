@@ -19,11 +19,16 @@ pub struct ReferenceFolders {
     cure: Option<&'static str>,
 }
 
-/// Returns the path of the sidecar `name` that the worn mesh `file` names.
+/// Returns the path of the sidecar of the worn mesh `file`, which names it `name`: the one called as the mesh is, if there is one, as a
+/// worn pair may have been renamed together; else the one of that name.
 ///
 /// # Errors
 /// [`Error::Input`] if it lies outside the folder of `file`.
 pub fn sidecar_path(file: &Path, name: &str) -> Result<PathBuf> {
+    let renamed = file.with_extension("crease.json");
+    if renamed.is_file() {
+        return Ok(renamed);
+    }
     let cure = Some("put the sidecar beside the mesh, and export the mesh again or name the sidecar itself");
     ReferenceFolders { cure, ..ReferenceFolders::of_file(file, None) }.path_of(name)
 }

@@ -2,7 +2,7 @@
 
 use crate::bake::{Bake, BakeOptions, ModelDecision, active_points, body_at_first_key};
 use crate::files::{FrameFolder, merge_errors, read_fabric, read_script};
-use crate::job::body_source::{BodyOptions, SkinOrReason};
+use crate::job::body_source::{BodyOptions, SkinOrReason, left_out_under};
 use crate::job::garment_source::{GarmentSource, ReadGarment};
 use crate::job::memory_source::EarlierMemory;
 use crate::wear::WearScript;
@@ -122,7 +122,8 @@ impl BakeInput {
             None => (None, None),
         };
         let other_fabric = earlier.as_ref().and_then(|earlier| earlier.fabric_warning(&fabric));
-        let earlier_warnings = left_out.into_iter().chain(other_fabric).collect();
+        let under = if options.body.is_none() { left_out_under(&garment, &script) } else { None };
+        let earlier_warnings = left_out.into_iter().chain(other_fabric).chain(under).collect();
         Ok(Self { garment, script, script_file, fabric, options, no_skin, earlier, earlier_warnings })
     }
 

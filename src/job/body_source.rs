@@ -2,6 +2,7 @@
 
 use crate::files::{GarmentFile, file_name, format_with_frame, read_asset_file, read_frames};
 use crate::job::garment_source::ReadGarment;
+use crate::wear::{Action, WearScript};
 use crease_geometry::math::Vec3;
 use crease_io::{ReadOptions, compare_body_size, read_body, read_body_frames, read_garment_skin};
 use crease_model::body::{AnimatedBody, BodyMotion, GarmentSkin};
@@ -43,6 +44,28 @@ pub enum BodyHold {
 
 /// The skin of a garment on its body, or the reason why there is none.
 pub(super) type SkinOrReason = std::result::Result<Arc<GarmentSkin>, Message>;
+
+/// Returns a warning if a part of the file of `garment` that is not worn lies under it, as a shirt under a jacket, and `script` wears the
+/// garment where it is.
+pub(super) fn left_out_under(garment: &ReadGarment, script: &WearScript) -> Option<Message> {
+    let GarmentFile { asset, garment: cloth, .. } = &garment.mesh;
+    if script.flatten().any(|action| matches!(*action, Action::Lay(_))) {
+        return None;
+    }
+    let triangles: Vec<[u32; 3]> = cloth.triangles.iter().map(|t| t.map(|p| p.0)).collect();
+    let over = AnimatedBody::new("", "", BodyMotion::Still, &cloth.points, &triangles);
+    let under = asset.pieces.iter().filter(|piece| !piece.worn).find(|piece| {
+        let points: Vec<Vec3> =
+            (0..piece.positions.len()).filter_map(|vertex| piece.scene_position(vertex)).collect();
+        over.lies_over(&points)
+    })?;
+    let what = format!(
+        "\"{}\" lies under the garment and is left out, so that nothing holds the garment there; ",
+        under.name
+    );
+    let body = Setting::Body.to(file_name(garment.name()));
+    Some(Message::from(what) + body + " " + Setting::BodyNode.to_name(&under.name) + " makes it the body")
+}
 
 impl BodyOptions {
     /// Reads the body for `garment`.

@@ -151,9 +151,9 @@ impl EarlierMemory {
                 Message::from("the worn shape is the base of this file; bake the file as it was before ");
             return Ok(Some(Err(why + Setting::Apply)));
         }
-        let beside = sidecar.map(|name| sidecar_path(path, &name)).transpose()?;
+        let beside = sidecar.as_ref().map(|name| sidecar_path(path, name)).transpose()?;
         let Some(beside) = beside.filter(|beside| beside.is_file()) else {
-            return Ok(Some(Err("its sidecar, OUT.crease.json, is not beside it; put it there".into())));
+            return Ok(Some(Err(missing_sidecar(path, sidecar.as_deref()).into())));
         };
         let file = file_name(&beside);
         let sidecar = read_sidecar(&file, &read_bytes(&beside)?)?;
@@ -180,13 +180,28 @@ impl EarlierMemory {
 
 /// Returns a warning for a command that leaves the memory of an earlier run out, if `mesh`, read from `path`, has one.
 pub fn left_out_warning(path: &Path, mesh: &GarmentFile) -> Option<Message> {
-    let EarlierWear { piece, sidecar, .. } = earlier_wear(&mesh.asset)?;
-    let sidecar = sidecar.unwrap_or_else(|| "its sidecar".to_owned());
+    let EarlierWear { piece, sidecar: name, .. } = earlier_wear(&mesh.asset)?;
+    let beside = name.as_ref().and_then(|name| sidecar_path(path, name).ok());
+    let Some(sidecar) = beside.filter(|beside| beside.is_file()).as_deref().map(file_name) else {
+        let missing = missing_sidecar(path, name.as_deref());
+        let text =
+            format!("\"{piece}\" has been worn already, and the earlier memory is left out: {missing}");
+        return Some(text.into());
+    };
     let text = format!(
         "\"{piece}\" has been worn already: the earlier memory, in {sidecar}, is left out. To have both: "
     );
     let call = Message::from(Operation::Transfer) + format!(" {sidecar} NEW.crease.json ");
     Some(Message::from(text) + call + Setting::Target.to(file_name(path)) + " -o BOTH.glb")
+}
+
+/// Says that the sidecar of the worn file `path`, which names it `name`, is missing, and what to do.
+fn missing_sidecar(path: &Path, name: Option<&str>) -> String {
+    let own = file_name(&path.with_extension("crease.json"));
+    match name.filter(|name| *name != own) {
+        Some(name) => format!("neither {own} nor {name} is beside it; put one there"),
+        None => format!("its sidecar, {own}, is not beside it; put it there"),
+    }
 }
 
 #[cfg(test)]

@@ -87,6 +87,7 @@ impl TransferJob {
             triangles: garment.triangles.len(),
             crossings: counts.added,
             crossings_at_start: counts.at_start,
+            crossings_in_result: counts.in_result,
             shown: shown.into(),
             sources: carried_sources(&input.sources, &carried),
             ..TransferReport::of_transfer(&carried, &surface)

@@ -39,6 +39,9 @@ pub struct Report {
     pub crossings: usize,
     /// Pairs of triangles that intersect in the input.
     pub crossings_at_start: usize,
+    /// All pairs of triangles that intersect in the result, those of the input among them.
+    #[serde(default)]
+    pub crossings_in_result: usize,
     /// Memory events.
     pub events: EventCounts,
     /// Maximum magnitude of the change of rest angle, rest minus source angle, in the result [degrees].
@@ -189,6 +192,8 @@ pub struct CrossingCounts {
     pub at_start: usize,
     /// Pairs in the result that are not in the input.
     pub added: usize,
+    /// All pairs in the result.
+    pub in_result: usize,
 }
 
 /// Returns the pairs of exported triangles of `garment` that intersect in its source pose, sorted.
@@ -202,7 +207,7 @@ pub fn crossing_counts(garment: &Garment, worn: &WornGarment, start: &[[u32; 2]]
     let x: Vec<Vec3> = garment.points.iter().zip(&worn.displacement).map(|(x, d)| x + d).collect();
     let end = self_intersections(&x, garment.exported_triangles());
     let added = end.iter().filter(|pair| start.binary_search(pair).is_err()).count();
-    CrossingCounts { at_start: start.len(), added }
+    CrossingCounts { at_start: start.len(), added, in_result: end.len() }
 }
 
 impl From<ShownWear> for ShownReport {
@@ -243,6 +248,7 @@ impl Report {
         Self {
             crossings: counts.added,
             crossings_at_start: counts.at_start,
+            crossings_in_result: counts.in_result,
             max_rest_angle_change_deg: memory.angle_changes().map(f64::abs).fold(0.0, f64::max).to_degrees(),
             max_stiffness_ratio: memory.stiffness_ratio.iter().copied().fold(1.0, f64::max),
             shown: ShownWear::of(&baked.worn, garment).into(),
@@ -350,7 +356,7 @@ mod tests {
             value.as_object().into_iter().flatten().map(|(name, _)| name.as_str()).collect();
         assert_eq!(
             names.join(" "),
-            "wall_s simulated_s steps linear_solves points triangles crossings crossings_at_start events max_rest_angle_change_deg \
+            "wall_s simulated_s steps linear_solves points triangles crossings crossings_at_start crossings_in_result events max_rest_angle_change_deg \
              max_stiffness_ratio shown method models stages warnings"
         );
         let text = report().to_json();

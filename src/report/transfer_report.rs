@@ -25,6 +25,9 @@ pub struct TransferReport {
     pub crossings: usize,
     /// Pairs of triangles that intersect in the target.
     pub crossings_at_start: usize,
+    /// All pairs of triangles that intersect in the result, those of the target among them.
+    #[serde(default)]
+    pub crossings_in_result: usize,
     /// Maximum magnitude of the change of rest angle [degrees].
     #[serde(alias = "max_rest_angle_deg")]
     pub max_rest_angle_change_deg: f64,

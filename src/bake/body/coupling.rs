@@ -156,8 +156,12 @@ impl BodyCoupling {
     }
 
     /// Reason why `garment`, which ends at `x` [m], does not count as worn on `animated`: more of its simulated points lie deep
-    /// inside than a garment may have that is put on. Those that were as deep at the start do not count.
+    /// inside than a garment may have that is put on, or the body breaks through it. What was so at the start does not count.
     pub fn reason_inside(&self, garment: &Garment, animated: &AnimatedBody, x: &[Vec3]) -> Option<String> {
+        self.reason_deep(garment, animated, x).or_else(|| self.penetration.reason_broken_through())
+    }
+
+    fn reason_deep(&self, garment: &Garment, animated: &AnimatedBody, x: &[Vec3]) -> Option<String> {
         let tuning = &TUNING.body;
         let depths =
             |x: &[Vec3], body: &[Vec3]| Solid::new(body, animated.triangles()).depths(x, tuning.depth_search);

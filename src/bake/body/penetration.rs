@@ -103,6 +103,20 @@ impl BodyPenetrationStats {
         self.many_since
     }
 
+    /// Reason why the cloth does not count as worn, if the body breaks through it after the last step in more places than at the
+    /// start and than corners of the body may between its points.
+    pub(in crate::bake) fn reason_broken_through(&self) -> Option<String> {
+        let IntersectionCount { last, .. } = self.open;
+        let x = self.open_position;
+        (last > self.at_start + TUNING.body_watch.max_pairs_at_end).then(|| {
+            format!(
+                "at the end of the wear the body breaks through the cloth, with {last} pairs of triangles around ({:.3}, {:.3}, {:.3}) m \
+                 ({} at the start); check the fit, refine the mesh, or begin with a slower motion",
+                x.x, x.y, x.z, self.at_start
+            )
+        })
+    }
+
     /// Warnings on depth and intersections, if there were any.
     pub(in crate::bake) fn warnings(&self) -> Vec<Message> {
         self.depth_warning().map(Message::from).into_iter().chain(self.intersection_warning()).collect()

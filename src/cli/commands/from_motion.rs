@@ -5,7 +5,7 @@ use crate::args::apply::ApplyArgs;
 use crate::args::mesh::ClothArgs;
 use crate::args::run::RunArgs;
 use crate::args::values::{Metres, glb_path, positive, unit};
-use crate::commands::worn_job::{Terminal, check_stream, finish};
+use crate::commands::worn_job::{Terminal, check_stream, crossings_text, finish};
 use crate::files::input::check_streams;
 use crate::runtime::console;
 use crate::runtime::threads::on_threads;
@@ -89,12 +89,12 @@ pub fn run(arguments: Arguments) -> Result<()> {
 
 fn print_summary(worn: &str, report: &Report) {
     console::message(&format!(
-        "{worn}: {} points, memory of {:.1} s of motion in {:.1} s; {} events; {}; {} crossings",
+        "{worn}: {} points, memory of {:.1} s of motion in {:.1} s; {} events; {}; {}",
         report.points,
         report.simulated_s,
         report.wall_s,
         report.events.gradual + report.events.critical,
         report.shown,
-        report.crossings
+        crossings_text([report.crossings, report.crossings_at_start, report.crossings_in_result])
     ));
 }

@@ -7,7 +7,7 @@ use crate::args::mesh::ClothArgs;
 use crate::args::refine::RefineArgs;
 use crate::args::run::RunArgs;
 use crate::args::values::{Choice, choice, glb_path, not_negative};
-use crate::commands::worn_job::{Terminal, check_stream, finish, print_files};
+use crate::commands::worn_job::{Terminal, check_stream, crossings_text, finish, print_files};
 use crate::files::input::check_streams;
 use crate::runtime::console;
 use crate::runtime::threads::on_threads;
@@ -168,7 +168,11 @@ fn print_summary(worn: &str, report: &TransferReport) {
     print_checks(&report.exports);
     print_files(&report.files, report.fine.as_ref());
     console::message(&format!(
-        "{worn}: {} points, confidence {:.2}, {:.1} s; {}; {} crossings",
-        report.points, report.confidence, report.wall_s, report.shown, report.crossings,
+        "{worn}: {} points, confidence {:.2}, {:.1} s; {}; {}",
+        report.points,
+        report.confidence,
+        report.wall_s,
+        report.shown,
+        crossings_text([report.crossings, report.crossings_at_start, report.crossings_in_result]),
     ));
 }

@@ -33,6 +33,14 @@ pub fn beside_stream(option: &str) -> Error {
     Error::input("standard output", "", message, "name a file with -o")
 }
 
+/// Pairs of triangles that intersect in a result, in words: those that are new, those of the input, and all in the result.
+pub fn crossings_text([added, at_start, in_result]: [usize; 3]) -> String {
+    match at_start {
+        0 => format!("{added} crossings"),
+        _ => format!("{added} new crossings, {in_result} in the file written ({at_start} in the input)"),
+    }
+}
+
 /// Connection of a job with the terminal: notices, and for a bake progress and interruption.
 pub struct Terminal<'a> {
     /// Whether messages for people are printed.

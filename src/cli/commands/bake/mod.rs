@@ -6,7 +6,7 @@ mod arguments;
 pub use arguments::Arguments;
 
 use crate::args::export::print_checks;
-use crate::commands::worn_job::{Terminal, beside_stream, finish, print_files};
+use crate::commands::worn_job::{Terminal, beside_stream, crossings_text, finish, print_files};
 use crate::files::output::is_stream;
 use crate::runtime::console;
 use crate::runtime::interrupt::Interrupt;
@@ -71,7 +71,12 @@ fn print_summary(worn: &str, report: &Report) {
     print_checks(&report.exports);
     print_files(&report.files, report.fine.as_ref());
     console::message(&format!(
-        "{worn}: {} points, {:.1} s of wear in {} steps and {:.1} s; {}; {} crossings",
-        report.points, report.simulated_s, report.steps, report.wall_s, report.shown, report.crossings,
+        "{worn}: {} points, {:.1} s of wear in {} steps and {:.1} s; {}; {}",
+        report.points,
+        report.simulated_s,
+        report.steps,
+        report.wall_s,
+        report.shown,
+        crossings_text([report.crossings, report.crossings_at_start, report.crossings_in_result]),
     ));
 }
