@@ -148,7 +148,10 @@ fn cloth_that_ends_deep_inside_its_body_is_told() {
     };
     let triangles = cube(1.0, Vec3::zeros()).1;
     let reason = reason_inside(rising([-0.2, -0.2, 0.15, 0.15]), &triangles).expect("is inside");
-    assert!(reason.contains("25 of 25 simulated points"), "{reason}");
+    // The mesh on the body is finer than the 25 points of the file.
+    let words: Vec<&str> = reason.split(' ').collect();
+    let told = words.windows(4).find(|of| of[1] == "of" && of[3] == "simulated").expect("counts points");
+    assert_eq!(told[0], told[2], "{reason}");
     // One that grows, beside the sheet at first.
     let growing: Vec<Vec<Vec3>> =
         [0.55, 0.55, 0.9, 0.9].iter().map(|half| cube(*half, Vec3::new(-0.7, 0.0, 0.1)).0).collect();

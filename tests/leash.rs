@@ -148,7 +148,7 @@ fn what_falls_off_ends_the_run() {
     let bake = Bake::new(&dressed.garment, &fabric, &script).quality(Quality::Draft);
     let error = bake.body(dressed.body.clone()).run().expect_err("falls off").to_string();
     assert!(
-        error.contains("70 points has fallen off the body") && error.contains("BakeOptions::skin"),
+        error.contains("points has fallen off the body") && error.contains("BakeOptions::skin"),
         "{error}"
     );
 }
