@@ -184,7 +184,7 @@ pub(super) fn align_source(
             if options.mirror_x {
                 "mirrored, its joints are not those of the target"
             } else {
-                "it and the target share no bone: no three joints of the same names, nor two that follow one another"
+                "it and the target have no bone in common: no three joints of the same names, nor two that follow one another"
             },
             use_box() + ", or mark points with " + Setting::Landmarks,
         )),

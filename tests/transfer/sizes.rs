@@ -77,7 +77,7 @@ fn a_fold_keeps_its_fraction_on_another_size() {
     assert!((fraction(&pocket, &carried.memory, 0) - 0.6).abs() < 0.04);
 }
 
-/// A sleeve that follows the shoulder and the elbow only, and one that shares two joints that are no bone.
+/// A sleeve that follows the shoulder and the elbow only, and one with two of its joints that are no bone.
 #[test]
 fn two_joints_that_are_a_bone_align_a_shorter_sleeve() {
     let ((straight, from), (bent, to)) = (sleeve(0.0), sleeve(1.2));
@@ -110,7 +110,7 @@ fn two_joints_that_are_a_bone_align_a_shorter_sleeve() {
     assert_eq!(aligned_by(&carried), Some(AlignedBy::Joints));
     assert!(carried.sources[0].losses.lost_crease_fraction < 0.05, "{:?}", carried.sources[0]);
     let refusal = with(&apart, Align::Joints).expect_err("no bone").to_string();
-    assert!(refusal.contains("share no bone"), "{refusal}");
+    assert!(refusal.contains("no bone in common"), "{refusal}");
 }
 
 /// A strength of 50, the same memory three times, and a target that lacks most of the worn cloth: told, and no confidence.
