@@ -30,6 +30,9 @@ pub(super) fn imperfection_note(name: &str) -> String {
 
 /// Unit normal of the plane in which the points lie, up to the rounding of a file; `None` without one.
 fn normal_of_plane(x: &[Vec3]) -> Option<Vec3> {
+    if x.len() < 3 {
+        return None;
+    }
     let (low, high) = bounds(x);
     let centre = x.iter().sum::<Vec3>() / x.len().max(1) as f64;
     let scatter: Mat3 = x.iter().map(|p| (p - centre) * (p - centre).transpose()).sum();
