@@ -48,7 +48,7 @@ pub(super) struct FoldTuning {
     pub release_time: f64,
     /// Steps over the release, default 4.
     pub release_steps: f64,
-    /// Fraction of its path that a flap that is let go keeps [-], default 0.75; one that springs back farther is held.
+    /// Fraction of its path that a flap that is let go keeps [-], default 0.6: one that springs back farther, to where the fold fails, is held.
     pub min_kept_fraction: f64,
     /// Pressure that smooths a fold along its line while it is held [Pa], default 2000: a hand.
     pub smoothing_pressure: f64,
@@ -276,7 +276,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         axis_clearance: 0.75,
         release_time: 0.4,
         release_steps: 4.0,
-        min_kept_fraction: 0.75,
+        min_kept_fraction: 0.6,
         smoothing_pressure: 2000.0,
         stroking_pressure: 500.0,
         release_drag: 20.0,

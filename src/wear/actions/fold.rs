@@ -514,7 +514,7 @@ mod tests {
         assert!(!runner.loads_at(fold.over_s, &turned).springs.is_empty());
         let later = fold.over_s + 3.0 * TUNING.fold.release_time;
         assert!(runner.loads_at(later, &turned).springs.is_empty() && runner.notice().is_none());
-        let sprung_back = flap_at(0.03, 0.1);
+        let sprung_back = flap_at(0.1, 0.15);
         assert!(!runner.loads_at(later, &sprung_back).springs.is_empty());
         assert!(runner.notice().is_some_and(|notice| notice.contains("held")));
         let saved = runner.save_state().expect("can be saved");
