@@ -48,8 +48,8 @@ pub(super) struct FoldTuning {
     pub release_time: f64,
     /// Steps over the release, default 4.
     pub release_steps: f64,
-    /// Fraction of its path that a flap that is let go keeps [-], default 0.6: one that springs back farther, to where the fold fails, is held.
-    pub min_kept_fraction: f64,
+    /// Least fraction of its path at which hands still reach a flap that springs back to where its fold fails [-], default 0.3.
+    pub min_reached_fraction: f64,
     /// Pressure that smooths a fold along its line while it is held [Pa], default 2000: a hand.
     pub smoothing_pressure: f64,
     /// Pressure that smooths the whole stack of a garment that was laid out while a fold is held [Pa], default 500: flat hands.
@@ -276,7 +276,7 @@ pub(super) const TUNING: WearTuning = WearTuning {
         axis_clearance: 0.75,
         release_time: 0.4,
         release_steps: 4.0,
-        min_kept_fraction: 0.6,
+        min_reached_fraction: 0.3,
         smoothing_pressure: 2000.0,
         stroking_pressure: 500.0,
         release_drag: 20.0,

@@ -106,8 +106,8 @@ fn a_fold_shows_on_a_garment_whose_triangles_do_not_follow_it() {
         println!(
             "axis {axis}: {aligned:.2} shown, {before:.2} on the garment's own triangles, {strong} sharp hinges"
         );
-        // The pose limits how far a crease opens, as one on a mesh along it and as several hinges beside one another.
-        assert!(aligned > 0.5 && aligned > 0.8 * before, "axis {axis}: {aligned:.2}, {before:.2}");
+        // The pose limits how far a crease opens, on a mesh along it as across several hinges beside one another.
+        assert!(aligned > 0.45 && aligned > 0.8 * before, "axis {axis}: {aligned:.2}, {before:.2}");
         // The fold keeps its angle on the file's triangles.
         let total: f64 = target
             .topology

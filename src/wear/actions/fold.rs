@@ -266,7 +266,7 @@ impl FoldRunner {
     /// Takes hold of a flap that was turned over and springs back, with the points at `x` [m] `t` seconds after the start.
     fn hold_if_springing_back(&mut self, t: f64, x: &[Vec3]) {
         let is_let_go = t > self.over * (1.0 + 1e-9) && self.supports_itself();
-        let springing_back = TUNING.failure.min_turned_fraction..TUNING.fold.min_kept_fraction;
+        let springing_back = TUNING.fold.min_reached_fraction..TUNING.failure.min_turned_fraction;
         if is_let_go && self.turned_fraction(x).is_some_and(|turned| springing_back.contains(&turned)) {
             self.held_since = Some(t);
         }
@@ -514,7 +514,7 @@ mod tests {
         assert!(!runner.loads_at(fold.over_s, &turned).springs.is_empty());
         let later = fold.over_s + 3.0 * TUNING.fold.release_time;
         assert!(runner.loads_at(later, &turned).springs.is_empty() && runner.notice().is_none());
-        let sprung_back = flap_at(0.1, 0.15);
+        let sprung_back = flap_at(0.15, 0.17);
         assert!(!runner.loads_at(later, &sprung_back).springs.is_empty());
         assert!(runner.notice().is_some_and(|notice| notice.contains("held")));
         let saved = runner.save_state().expect("can be saved");
