@@ -23,14 +23,16 @@ pub struct ReferenceFolders {
 /// worn pair may have been renamed together; else the one of that name.
 ///
 /// # Errors
-/// [`Error::Input`] if it lies outside the folder of `file`.
+/// [`Error::Input`] if it lies outside the folder of `file`, links resolved.
 pub fn sidecar_path(file: &Path, name: &str) -> Result<PathBuf> {
+    let cure = Some("put the sidecar beside the mesh, and export the mesh again or name the sidecar itself");
+    let folders = ReferenceFolders { cure, ..ReferenceFolders::of_file(file, None) };
     let renamed = file.with_extension("crease.json");
     if renamed.is_file() {
+        folders.check(&renamed)?;
         return Ok(renamed);
     }
-    let cure = Some("put the sidecar beside the mesh, and export the mesh again or name the sidecar itself");
-    ReferenceFolders { cure, ..ReferenceFolders::of_file(file, None) }.path_of(name)
+    folders.path_of(name)
 }
 
 impl ReferenceFolders {
@@ -175,6 +177,22 @@ mod tests {
         let folders = ReferenceFolders::of_file(&root.join("IN/a.gltf"), Some(&root.join("IN/../other")));
         assert_eq!(folders.read("../other/c.bin", None).expect("is read"), b"other/c.bin");
         assert!(refusal(&folders, "../secret.bin").contains("lies outside"));
+    }
+
+    /// A sidecar called as the mesh is comes first, and lies in the folder of the mesh, as one that the mesh names.
+    #[cfg(unix)]
+    #[test]
+    fn a_sidecar_called_as_the_mesh_lies_in_its_folder() {
+        let (_folder, root) = scene();
+        let inside = root.join("IN");
+        let [own, linked] = ["own.glb", "linked.glb"].map(|name| inside.join(name));
+        let beside = inside.join("own.crease.json");
+        std::fs::write(&beside, "{}").expect("writes");
+        std::os::unix::fs::symlink(root.join("secret.bin"), inside.join("linked.crease.json"))
+            .expect("links");
+        assert_eq!(sidecar_path(&own, "old.crease.json").expect("is inside"), beside);
+        let error = sidecar_path(&linked, "old.crease.json").expect_err("is outside").to_string();
+        assert!(error.contains("lies outside the folder of"), "{error}");
     }
 
     #[cfg(unix)]
