@@ -93,7 +93,7 @@ pub trait ActionRunner {
     }
 
     /// What the action, at its end, did beyond what its script asks for; `None` for nothing.
-    fn notice(&self) -> Option<String> {
+    fn note(&self) -> Option<String> {
         None
     }
 

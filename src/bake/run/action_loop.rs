@@ -146,8 +146,7 @@ impl Run<'_> {
             self.report.warnings.push(Message::from("did not take place: ") + failure.to_message());
             self.report.not_performed.get_or_insert(failure);
         }
-        let notice = begun.runner.notice().map(|what| format!("{location}: {what}"));
-        self.report.warn(notice);
+        self.report.warn(begun.runner.note().map(|what| format!("{location}: {what}")));
         begun.runner.finish(&mut self.persistent, &self.state.x);
         if !begun.runner.accumulates_memory() {
             let rest = &self.memory.rest;

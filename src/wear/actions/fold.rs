@@ -204,7 +204,7 @@ impl WearAction for Fold {
                 angle: self.angle_deg.to_radians(),
             },
             over: self.over_s,
-            held_since: None,
+            is_held: false,
             idle_loads: persistent.idle_loads(),
         })
     }
@@ -243,8 +243,8 @@ struct FoldRunner {
     record: FoldRecord,
     /// Duration of the turn [s].
     over: f64,
-    /// Time at which hands took hold of the flap again, since it sprang back when they let go [s].
-    held_since: Option<f64>,
+    /// Whether hands took hold of the flap again, since it sprang back when they let go.
+    is_held: bool,
     idle_loads: Loads,
 }
 
@@ -260,7 +260,7 @@ struct FlapPoint {
 
 impl FoldRunner {
     fn supports_itself(&self) -> bool {
-        self.record.angle > TUNING.fold.self_supporting_angle && self.held_since.is_none()
+        self.record.angle > TUNING.fold.self_supporting_angle && !self.is_held
     }
 
     /// Takes hold of a flap that was turned over and springs back, with the points at `x` [m] `t` seconds after the start.
@@ -268,7 +268,7 @@ impl FoldRunner {
         let is_let_go = t > self.over * (1.0 + 1e-9) && self.supports_itself();
         let springing_back = TUNING.fold.min_reached_fraction..TUNING.failure.min_turned_fraction;
         if is_let_go && self.turned_fraction(x).is_some_and(|turned| springing_back.contains(&turned)) {
-            self.held_since = Some(t);
+            self.is_held = true;
         }
     }
 
@@ -345,16 +345,16 @@ impl ActionRunner for FoldRunner {
     }
 
     fn save_state(&self) -> Option<Value> {
-        Some(self.held_since.map_or(Value::Null, Value::from))
+        Some(if self.is_held { Value::Bool(true) } else { Value::Null })
     }
 
     fn restore_state(&mut self, saved: &Value, _point_count: usize) -> bool {
-        self.held_since = saved.as_f64();
-        saved.is_null() || self.held_since.is_some()
+        self.is_held = saved.as_bool().unwrap_or(false);
+        saved.is_null() || self.is_held
     }
 
-    fn notice(&self) -> Option<String> {
-        self.held_since.map(|_| {
+    fn note(&self) -> Option<String> {
+        self.is_held.then(|| {
             "the flap springs back from so thick a stack when it is let go: it is held, as by hands, until it is opened or \
              released"
                 .to_owned()
@@ -407,6 +407,18 @@ mod tests {
         }
     }
 
+    /// State of cloth that lies at `x` [m].
+    fn lying(x: &[Vec3]) -> PersistentState {
+        let frame = Some(GarmentFrame::lying(x));
+        PersistentState { frame, ground: Some(0.0), ..PersistentState::default() }
+    }
+
+    /// A fold of the right half by 180 degrees.
+    fn right_half() -> Fold {
+        let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
+        Fold { line, angle_deg: 180.0, side: FoldSide::Right, ..Fold::example() }
+    }
+
     #[test]
     fn sides_do_not_depend_on_the_direction_of_the_line() {
         for (side, inside, outside) in [
@@ -435,8 +447,7 @@ mod tests {
         let over = 2.0;
         let release_time = TUNING.fold.release_time;
         for (angle_deg, transient) in [(180.0, true), (90.0, false)] {
-            let frame = Some(GarmentFrame::lying(&x));
-            let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
+            let mut persistent = lying(&x);
             let fold = Fold {
                 line: [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])],
                 angle_deg,
@@ -462,10 +473,7 @@ mod tests {
             .flat_map(|&x| [0.0, -0.4].map(|z| Vec3::new(x, 1e-3, z)))
             .collect();
         let context = context(&x, &[1e-3; 12]);
-        let frame = Some(GarmentFrame::lying(&x));
-        let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
-        let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
-        let fold = Fold { line, angle_deg: 180.0, side: FoldSide::Right, ..Fold::example() };
+        let (fold, mut persistent) = (right_half(), lying(&x));
         let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
         // Distances beyond the line of the six columns: -0.2, -0.03, -0.02, 0.04, 0.06 and 0.2 m.
         let columns = |flags: Vec<bool>| flags.into_iter().step_by(2).collect::<Vec<_>>();
@@ -481,12 +489,9 @@ mod tests {
         let x: Vec<Vec3> =
             [0.0, 0.18, 0.22, 0.4].iter().flat_map(|&x| [0.0, -0.4].map(|z| Vec3::new(x, 1e-3, z))).collect();
         let context = context(&x, &[1e-3; 8]);
-        let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
-        let fold = Fold { line, angle_deg: 180.0, side: FoldSide::Right, ..Fold::example() };
+        let fold = right_half();
         let loads = |cut: Vec<PlaneStretch>| {
-            let frame = Some(GarmentFrame::lying(&x));
-            let mut persistent =
-                PersistentState { frame, ground: Some(0.0), cut, ..PersistentState::default() };
+            let mut persistent = PersistentState { cut, ..lying(&x) };
             let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
             runner.loads_at(fold.over_s + 2.0 * TUNING.fold.release_time, &x)
         };
@@ -501,10 +506,7 @@ mod tests {
         let x: Vec<Vec3> =
             [[0.0, 0.0], [0.4, 0.0], [0.0, -0.4], [0.4, -0.4]].map(|[x, z]| Vec3::new(x, 1e-3, z)).to_vec();
         let context = context(&x, &[1e-3; 4]);
-        let frame = Some(GarmentFrame::lying(&x));
-        let mut persistent = PersistentState { frame, ground: Some(0.0), ..PersistentState::default() };
-        let line = [Fraction2([0.5, 0.0]), Fraction2([0.5, 1.0])];
-        let fold = Fold { line, angle_deg: 180.0, side: FoldSide::Right, ..Fold::example() };
+        let (fold, mut persistent) = (right_half(), lying(&x));
         let mut runner = fold.start_action(&context, &mut persistent).expect("can be folded").runner;
         let flap_at = |x: f64, y: f64| {
             let flap = [0.0, -0.4].map(|z| Vec3::new(x, y, z));
@@ -513,13 +515,13 @@ mod tests {
         let turned = flap_at(0.0, 3e-3);
         assert!(!runner.loads_at(fold.over_s, &turned).springs.is_empty());
         let later = fold.over_s + 3.0 * TUNING.fold.release_time;
-        assert!(runner.loads_at(later, &turned).springs.is_empty() && runner.notice().is_none());
+        assert!(runner.loads_at(later, &turned).springs.is_empty() && runner.note().is_none());
         let sprung_back = flap_at(0.15, 0.17);
         assert!(!runner.loads_at(later, &sprung_back).springs.is_empty());
-        assert!(runner.notice().is_some_and(|notice| notice.contains("held")));
+        assert!(runner.note().is_some_and(|note| note.contains("held")));
         let saved = runner.save_state().expect("can be saved");
         let mut resumed = fold.start_action(&context, &mut persistent.clone()).expect("can be folded").runner;
-        assert!(resumed.restore_state(&saved, 4) && resumed.notice().is_some());
+        assert!(resumed.restore_state(&saved, 4) && resumed.note().is_some());
         runner.finish(&mut persistent, &turned);
         assert!(!persistent.idle_loads().springs.is_empty());
     }
