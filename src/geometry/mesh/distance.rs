@@ -33,7 +33,7 @@ impl ClosestPoints {
 
 /// Returns the coordinate along the edge `a` to `b` of the point closest to `p`, 0 to 1; 0 on an edge without length.
 #[inline]
-fn along_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
+pub fn along_edge(p: &Vec3, a: &Vec3, b: &Vec3) -> f64 {
     let edge = b - a;
     let length_squared = edge.norm_squared();
     let t = (p - a).dot(&edge) / length_squared;

@@ -22,6 +22,12 @@ pub fn edge_key<P: Ord>(a: P, b: P) -> [P; 2] {
     if a < b { [a, b] } else { [b, a] }
 }
 
+/// Corners of a triangle in increasing order.
+pub fn triangle_key<P: Ord>(mut corners: [P; 3]) -> [P; 3] {
+    corners.sort_unstable();
+    corners
+}
+
 /// An interior edge with its two triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hinge {

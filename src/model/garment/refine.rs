@@ -9,9 +9,8 @@
 use crate::garment::Garment;
 use crate::garment::tuning::TUNING;
 use crease_geometry::math::{Vec2, Vec3};
-use crease_geometry::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::{LongEdge, PointIndex, Topology, edge_key};
 use rustc_hash::FxHashMap;
-use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 
 /// Finer mesh of a garment.
@@ -84,37 +83,16 @@ struct Bisection {
     max_length: f64,
 }
 
-/// Edge to be halved, ordered by length, then by its ends, lowest first.
-#[derive(PartialEq)]
-struct LongEdge {
-    length: f64,
-    ends: [PointIndex; 2],
-}
-
-impl Eq for LongEdge {}
-
-impl PartialOrd for LongEdge {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for LongEdge {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.length.total_cmp(&other.length).then(other.ends.cmp(&self.ends))
-    }
-}
-
-fn edge_key(t: &[PointIndex; 3], k: usize) -> [PointIndex; 2] {
-    let (a, b) = (t[k], t[(k + 1) % 3]);
-    if a < b { [a, b] } else { [b, a] }
+/// Side `k` of the triangle `t`.
+fn side(t: &[PointIndex; 3], k: usize) -> [PointIndex; 2] {
+    edge_key(t[k], t[(k + 1) % 3])
 }
 
 impl Bisection {
     fn new(garment: &Garment, edge: f64) -> Self {
         let mut on_edge: FxHashMap<[PointIndex; 2], Vec<u32>> = FxHashMap::default();
         for (f, t) in garment.triangles.iter().enumerate() {
-            (0..3).for_each(|k| on_edge.entry(edge_key(t, k)).or_default().push(f as u32));
+            (0..3).for_each(|k| on_edge.entry(side(t, k)).or_default().push(f as u32));
         }
         Self {
             points: garment.points.clone(),
@@ -132,7 +110,7 @@ impl Bisection {
         (self.points[a.at()] - self.points[b.at()]).norm()
     }
 
-    fn long(&self, ends: [PointIndex; 2]) -> Option<LongEdge> {
+    fn long(&self, ends: [PointIndex; 2]) -> Option<LongEdge<PointIndex>> {
         let length = self.length(ends);
         (length > self.max_length).then_some(LongEdge { length, ends })
     }
@@ -143,10 +121,8 @@ impl Bisection {
         };
         self.wanted = self.triangles.iter().map(is_wanted).collect();
         let around = self.triangles.iter().zip(&self.wanted).filter(|(_, wanted)| **wanted);
-        let mut open: BinaryHeap<LongEdge> = around
-            .flat_map(|(t, _)| (0..3).map(|k| edge_key(t, k)))
-            .filter_map(|edge| self.long(edge))
-            .collect();
+        let mut open: BinaryHeap<LongEdge<PointIndex>> =
+            around.flat_map(|(t, _)| (0..3).map(|k| side(t, k))).filter_map(|edge| self.long(edge)).collect();
         while let Some(LongEdge { length, ends }) = open.pop() {
             if self.points.len() >= TUNING.max_points {
                 break;
@@ -163,12 +139,12 @@ impl Bisection {
     }
 
     /// Returns the longest edge of some triangles.
-    fn longest_on(&self, triangles: &[u32]) -> Option<LongEdge> {
-        let edges = triangles.iter().flat_map(|f| (0..3).map(|k| edge_key(&self.triangles[*f as usize], k)));
+    fn longest_on(&self, triangles: &[u32]) -> Option<LongEdge<PointIndex>> {
+        let edges = triangles.iter().flat_map(|f| (0..3).map(|k| side(&self.triangles[*f as usize], k)));
         edges.map(|ends| LongEdge { length: self.length(ends), ends }).max()
     }
 
-    fn halve(&mut self, edge: [PointIndex; 2], on: &[u32], open: &mut BinaryHeap<LongEdge>) {
+    fn halve(&mut self, edge: [PointIndex; 2], on: &[u32], open: &mut BinaryHeap<LongEdge<PointIndex>>) {
         let middle = PointIndex(self.points.len() as u32);
         for mask in &mut self.masks {
             mask.push(0.5 * (mask[edge[0].at()] + mask[edge[1].at()]));
@@ -177,13 +153,13 @@ impl Bisection {
         self.on_edge.remove(&edge);
         for &f in on {
             let t = self.triangles[f as usize];
-            let Some(k) = (0..3).find(|&k| edge_key(&t, k) == edge) else { continue };
+            let Some(k) = (0..3).find(|&k| side(&t, k) == edge) else { continue };
             let (a, b, c) = (k, (k + 1) % 3, (k + 2) % 3);
             let flat = self.material[f as usize];
             let half = 0.5 * (flat[a] + flat[b]);
             let new = self.triangles.len() as u32;
             (0..3).for_each(|k| {
-                if let Some(list) = self.on_edge.get_mut(&edge_key(&t, k)) {
+                if let Some(list) = self.on_edge.get_mut(&side(&t, k)) {
                     list.retain(|other| *other != f);
                 }
             });
@@ -195,13 +171,11 @@ impl Bisection {
             for part in [f, new] {
                 let t = self.triangles[part as usize];
                 for k in 0..3 {
-                    self.on_edge.entry(edge_key(&t, k)).or_default().push(part);
+                    self.on_edge.entry(side(&t, k)).or_default().push(part);
                 }
             }
-            let inner = [middle, t[c]];
-            let inner = if inner[0] < inner[1] { inner } else { [inner[1], inner[0]] };
             if self.wanted[self.parent[f as usize] as usize] {
-                open.extend(self.long(inner));
+                open.extend(self.long(edge_key(middle, t[c])));
             }
         }
         // Halves of edges that only unwanted triangles have stay as long as they are.

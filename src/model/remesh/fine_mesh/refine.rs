@@ -7,7 +7,7 @@ use crate::remesh::tuning::TUNING;
 use crate::remesh::worn_surface::CreaseDistances;
 use crate::remesh::{WornPlace, WornSurface};
 use crease_geometry::math::{Mat3, Vec3};
-use std::cmp::Ordering;
+use crease_geometry::mesh::LongEdge;
 use std::collections::BinaryHeap;
 
 /// Places of the points of a mesh on the worn surface.
@@ -58,31 +58,10 @@ impl<'a> Places<'a> {
     }
 }
 
-/// Edge to be halved, ordered by length, then by its ends, lowest first.
-#[derive(PartialEq)]
-struct LongEdge {
-    length: f64,
-    ends: [u32; 2],
-}
-
-impl Eq for LongEdge {}
-
-impl PartialOrd for LongEdge {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl Ord for LongEdge {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.length.total_cmp(&other.length).then(other.ends.cmp(&self.ends))
-    }
-}
-
 /// Halves the edges of `mesh` that need it until they are about `edge` [m] long.
 pub(super) fn refine(mesh: &mut SplitMesh, places: &mut Places, edge: f64) {
     let long = |mesh: &SplitMesh, ends: [u32; 2]| LongEdge { length: mesh.length(ends), ends };
-    let mut open: BinaryHeap<LongEdge> = BinaryHeap::new();
+    let mut open: BinaryHeap<LongEdge<u32>> = BinaryHeap::new();
     for ends in mesh.edges() {
         if needs_halving(mesh, places, ends, edge) {
             open.push(long(mesh, ends));

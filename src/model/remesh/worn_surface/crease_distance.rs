@@ -2,7 +2,7 @@
 
 use crate::remesh::worn_surface::{CreaseEdge, WornSurface};
 use crease_geometry::math::Vec3;
-use crease_geometry::mesh::distance::point_triangle_squared;
+use crease_geometry::mesh::distance::{along_edge, point_triangle_squared};
 use crease_geometry::mesh::triangle::{self, corners};
 
 /// Creases near every triangle of a worn surface.
@@ -69,9 +69,7 @@ impl WornSurface {
     /// Shortest vector from edge `e` of a crease to `x` [m].
     fn offset(&self, e: u32, x: &Vec3) -> Vec3 {
         let [a, b] = self.edges[e as usize].ends.map(|p| self.points[p.at()]);
-        let along = b - a;
-        let part = ((x - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-        x - (a + along * part)
+        x - (a + (b - a) * along_edge(x, &a, &b))
     }
 
     /// Angle by which the wear turned the sides of a crease against one another in the middle of `edge` [rad].

@@ -3,6 +3,7 @@
 use crate::remesh::GarmentSurface;
 use crate::remesh::hinge_chains::HingeChain;
 use crate::remesh::tuning::TUNING;
+use crease_geometry::mesh::distance::along_edge;
 
 /// Part of an edge in a crease.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -136,7 +137,7 @@ fn centres_of_rows(mesh: &GarmentSurface, part: &[Part]) -> Vec<Option<u32>> {
         let middle = 0.5 * (a + b);
         let squared = |h: &usize| {
             let [a, b, ..] = ends(*h);
-            let part = ((middle - a).dot(&(b - a)) / (b - a).norm_squared()).clamp(0.0, 1.0);
+            let part = along_edge(&middle, &a, &b);
             (middle - a - (b - a) * part).norm_squared()
         };
         let nearest = centre.iter().map(|h| (squared(h), *h as u32)).min_by(|x, y| x.0.total_cmp(&y.0));

@@ -3,12 +3,10 @@
 use crate::garment::{Garment, RestState};
 use crate::remesh::GarmentSurface;
 use crate::remesh::surface_mesh::{SurfacePoint, clamped_weights};
-use crate::remesh::tuning::TUNING;
 use crate::remesh::worn_surface::crease_edges::CreaseEdges;
+use crate::remesh::worn_surface::sided_search::SidedSearch;
 use crease_geometry::math::Vec3;
-use crease_geometry::mesh::PointIndex;
-use crease_geometry::mesh::triangle::{self, corners};
-use crease_geometry::mesh::triangle_bvh::TriangleBvh;
+use crease_geometry::mesh::triangle::corners;
 
 /// Crease along which a garment was folded.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,9 +28,9 @@ impl Crease {
         let changes: Vec<f64> = memory.angle_changes().collect();
         let edges = CreaseEdges::find(mesh, &changes);
         let angles = edges.net_angles(mesh, &changes);
-        let places = Places::new(garment);
+        let places = Places::new(mesh, garment);
         let of_line = |line: &(Vec<u32>, Vec<u32>)| Self {
-            places: line.0.iter().map(|p| places.at(mesh, *p)).collect(),
+            places: line.0.iter().map(|p| places.at(*p)).collect(),
             angle: line.1.iter().map(|h| angles[*h as usize]).collect(),
             stiffness_ratio: line.1.iter().map(|h| memory.stiffness_ratio[*h as usize]).collect(),
             width,
@@ -44,32 +42,29 @@ impl Crease {
 /// Search for places of a mesh on a garment.
 struct Places<'a> {
     garment: &'a Garment,
-    bvh: TriangleBvh,
-    normals: Vec<Option<Vec3>>,
+    mesh: &'a GarmentSurface,
+    search: SidedSearch<'a>,
+    /// Sum of the area vectors of the triangles at every point of the mesh [m²].
+    facing: Vec<Vec3>,
 }
 
 impl<'a> Places<'a> {
-    fn new(garment: &'a Garment) -> Self {
-        let normal = |t: &[PointIndex; 3]| triangle::normal(&corners(&garment.points, t));
-        let bvh = TriangleBvh::new(&garment.points, &garment.triangles, 0.0);
-        Self { normals: garment.triangles.iter().map(normal).collect(), garment, bvh }
+    fn new(mesh: &'a GarmentSurface, garment: &'a Garment) -> Self {
+        let mut facing = vec![Vec3::zeros(); mesh.points.len()];
+        for (f, t) in mesh.triangles.iter().enumerate() {
+            t.iter().for_each(|p| facing[p.at()] += mesh.normal(f));
+        }
+        Self { search: SidedSearch::new(&garment.points, &garment.triangles), facing, garment, mesh }
     }
 
-    /// The place of the garment closest to the point `p` of `mesh`, on the same side of the cloth.
-    fn at(&self, mesh: &GarmentSurface, p: u32) -> SurfacePoint {
-        let x = mesh.points[p as usize];
-        let around = mesh.triangles.iter().enumerate().filter(|(_, t)| t.contains(&PointIndex(p)));
-        let own = around.map(|(f, _)| mesh.normal(f)).sum::<Vec3>().try_normalize(0.0);
-        let agrees = |f: u32| match (self.normals[f as usize], own) {
-            (Some(a), Some(b)) => a.dot(&b) > TUNING.min_start_cosine,
-            _ => true,
-        };
-        let points = &self.garment.points;
-        let found = self.bvh.nearest_where(points, x, f64::INFINITY, agrees);
-        let found = found.or_else(|| self.bvh.nearest(points, x, f64::INFINITY));
-        let face = found.map_or(0, |nearest| nearest.triangle);
-        let weights = clamped_weights(&x, &corners(points, &self.garment.triangles[face as usize]));
-        SurfacePoint { face, weights }
+    /// The place of the garment closest to point `p` of the mesh, on the same side of the cloth if there is one.
+    fn at(&self, p: u32) -> SurfacePoint {
+        let x = self.mesh.points[p as usize];
+        let own = self.facing[p as usize].try_normalize(0.0);
+        let found = self.search.nearest(x, f64::INFINITY, own);
+        let face = found.or_else(|| self.search.nearest_of_any_side(x)).unwrap_or(0);
+        let of_face = corners(&self.garment.points, &self.garment.triangles[face as usize]);
+        SurfacePoint { face, weights: clamped_weights(&x, &of_face) }
     }
 }
 

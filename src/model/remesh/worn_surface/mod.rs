@@ -15,6 +15,7 @@ mod crease_edges;
 mod creases;
 mod opened_memory;
 mod panels;
+mod sided_search;
 
 pub use crease_distance::{CreaseDistances, NearCrease};
 pub use creases::Crease;
@@ -26,10 +27,10 @@ use crate::remesh::surface_mesh::{SurfacePoint, clamped_weights, interpolate};
 use crate::remesh::tuning::TUNING;
 use crate::remesh::worn_surface::crease_edges::CreaseEdges;
 use crate::remesh::worn_surface::panels::corner_rotations;
+use crate::remesh::worn_surface::sided_search::SidedSearch;
 use crease_geometry::math::{Mat3, Vec3};
-use crease_geometry::mesh::distance::barycentric;
+use crease_geometry::mesh::distance::{along_edge, barycentric};
 use crease_geometry::mesh::triangle::{self, corners};
-use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crease_geometry::mesh::{PointIndex, SurfaceWalk};
 
 /// What was worn, relaxed to the source pose, as a surface.
@@ -113,19 +114,11 @@ impl WornSurface {
         if self.triangles == triangles {
             return (0..self.triangles.len() as u32).map(Some).collect();
         }
-        let bvh = TriangleBvh::new(&self.points, &self.triangles, 0.0);
-        let normal = |points: &[Vec3], t: &[PointIndex; 3]| triangle::normal(&corners(points, t));
-        let own: Vec<Option<Vec3>> = self.triangles.iter().map(|t| normal(&self.points, t)).collect();
+        let search = SidedSearch::new(&self.points, &self.triangles);
         let start = |t: &[PointIndex; 3]| {
             let x = corners(points, t);
             let centre = (x[0] + x[1] + x[2]) / 3.0;
-            let wanted = normal(points, t);
-            let agrees = |f: u32| match (own[f as usize], wanted) {
-                (Some(a), Some(b)) => a.dot(&b) > TUNING.min_start_cosine,
-                _ => true,
-            };
-            let found = bvh.nearest_where(&self.points, centre, TUNING.max_start_distance, agrees);
-            found.map(|nearest| nearest.triangle)
+            search.nearest(centre, TUNING.max_start_distance, triangle::normal(&x))
         };
         triangles.iter().map(start).collect()
     }
@@ -166,9 +159,8 @@ impl WornSurface {
         let mut nearest: Option<(f64, &CreaseEdge, f64, Vec3)> = None;
         for edge in self.near[at.face as usize].iter().map(|e| &self.edges[*e as usize]) {
             let [a, b] = edge.ends.map(|p| self.points[p.at()]);
-            let along = b - a;
-            let part = ((x - a).dot(&along) / along.norm_squared()).clamp(0.0, 1.0);
-            let offset = x - (a + along * part);
+            let part = along_edge(x, &a, &b);
+            let offset = x - (a + (b - a) * part);
             let distance = offset.norm();
             if distance < self.half_width && nearest.is_none_or(|(least, ..)| distance < least) {
                 nearest = Some((distance, edge, part, offset));
