@@ -136,7 +136,8 @@ impl DetailOptions {
         detail: &DetailInput,
         glb: Vec<u8>,
     ) -> Result<Vec<u8>> {
-        let options = MapOptions { side: self.texels as usize, depth: self.depth, of: self.of };
+        let options =
+            MapOptions { side: self.texels as usize, depth: self.depth, of: self.of, creases: self.files };
         let detailed = add_detail_map(&glb, asset, detail, options)?;
         written.warnings.extend(detailed.notes);
         for (k, map) in detailed.maps.iter().enumerate() {
@@ -151,10 +152,14 @@ impl DetailOptions {
                 report.normal_map = last_name(&path);
             }
             if self.files {
-                let [heights, creases] = ["height", "creases"].map(beside);
-                outputs.add(&heights, &map.height_png)?;
-                outputs.add(&creases, &map.crease_png)?;
-                (report.height_map, report.crease_map) = (last_name(&heights), last_name(&creases));
+                let path = beside("height");
+                outputs.add(&path, &map.height_png)?;
+                report.height_map = last_name(&path);
+            }
+            if let Some(mask) = &map.crease_png {
+                let path = beside("creases");
+                outputs.add(&path, mask)?;
+                report.crease_map = last_name(&path);
             }
             written.detail_maps.push(report);
         }

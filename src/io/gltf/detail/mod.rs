@@ -49,8 +49,8 @@ pub struct DetailMap {
     pub height_png: Vec<u8>,
     /// Heights of black and white in `height_png` [m].
     pub height_range_m: [f32; 2],
-    /// Angles of creases: PNG, grey, 8 bits, white for half a turn.
-    pub crease_png: Vec<u8>,
+    /// Angles of creases: PNG, grey, 8 bits, white for half a turn; `None` if they are not asked for.
+    pub crease_png: Option<Vec<u8>>,
     /// Whether the material refers to the map; otherwise `notes` of the result give the reason.
     pub in_material: bool,
     /// Mean angle between the map's directions and the normals of the coarse mesh [degrees].
@@ -97,8 +97,8 @@ pub fn add_detail_map(
     if options.of == DetailOf::Rest {
         surfaces.iter().for_each(|surface| surface.add_tangents(&mut appender));
     }
-    let creases = CreaseDistances::new(detail.surface, TUNING.crease_mask_reach);
-    let painter = Painter::new(detail, &surfaces, &creases, options.of);
+    let creases = options.creases.then(|| CreaseDistances::new(detail.surface, TUNING.crease_mask_reach));
+    let painter = Painter::new(detail, &surfaces, creases.as_ref(), options.of);
     let maps = Maps { document, surfaces: &surfaces, painter, options };
     let maps =
         maps.add(&mut appender, &mut notes).map_err(|e| Error::input(&asset.file, "detail map", e, ""))?;
@@ -187,7 +187,7 @@ impl Maps<'_> {
                 painted.texels.pad(TUNING.padding_texels);
                 let normal_png = painted.texels.to_png(self.options.depth)?;
                 let (height_png, height_range_m) = painted.texels.height_png()?;
-                let crease_png = painted.texels.crease_png()?;
+                let crease_png = if self.options.creases { Some(painted.texels.crease_png()?) } else { None };
                 let in_material = reason.is_none();
                 if in_material {
                     let shown: Vec<&ShownSurface> =

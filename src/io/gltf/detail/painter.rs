@@ -5,7 +5,7 @@ use crate::gltf::detail::material::TextureTransform;
 use crate::gltf::detail::surface::ShownSurface;
 use crate::gltf::detail::texels::{DetailOf, TexelSample, Texels};
 use crease_geometry::math::{Mat3, Vec3};
-use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::triangle_key;
 use crease_model::remesh::{CreaseDistances, NearCrease};
 use rustc_hash::FxHashMap;
 use std::cell::Cell;
@@ -24,7 +24,8 @@ pub(super) struct SurfaceCorners {
 pub(super) struct Painter<'a> {
     detail: &'a DetailInput<'a>,
     surfaces: &'a [ShownSurface<'a>],
-    creases: &'a CreaseDistances<'a>,
+    /// Creases of the mask, if it is painted.
+    creases: Option<&'a CreaseDistances<'a>>,
     of: DetailOf,
     /// Per triangle of the garment: the vertices of its corners.
     pub(super) corners: Vec<Option<SurfaceCorners>>,
@@ -38,24 +39,20 @@ impl<'a> Painter<'a> {
     pub(super) fn new(
         detail: &'a DetailInput,
         surfaces: &'a [ShownSurface],
-        creases: &'a CreaseDistances,
+        creases: Option<&'a CreaseDistances<'a>>,
         of: DetailOf,
     ) -> Self {
-        let sorted = |mut points: [PointIndex; 3]| {
-            points.sort_unstable();
-            points
-        };
         let mut found = FxHashMap::default();
         for (s, surface) in surfaces.iter().enumerate() {
             for t in &surface.piece.triangles {
                 let vertices = t.map(|v| v as usize);
                 if vertices.iter().all(|&v| v < surface.points.len()) {
-                    found.entry(sorted(vertices.map(|v| surface.points[v]))).or_insert((s, vertices));
+                    found.entry(triangle_key(vertices.map(|v| surface.points[v]))).or_insert((s, vertices));
                 }
             }
         }
         let corners = detail.coarse.triangles.iter().map(|t| {
-            let &(s, vertices) = found.get(&sorted(*t))?;
+            let &(s, vertices) = found.get(&triangle_key(*t))?;
             let points = surfaces[s].points;
             let mut corners = [0; 3];
             for (corner, p) in corners.iter_mut().zip(t) {
@@ -128,7 +125,10 @@ impl<'a> Painter<'a> {
             (direction.z > 0.0).then(|| TexelSample {
                 direction,
                 height_m: n.dot(&(place.position - blend(&after, &b))),
-                crease: self.creases.at(place.face, &x).map_or(0.0, |crease| mask(&crease)),
+                crease: self
+                    .creases
+                    .and_then(|all| all.at(place.face, &x))
+                    .map_or(0.0, |crease| mask(&crease)),
             })
         });
     }

@@ -140,7 +140,7 @@ fn shown_and_true(scene: &RippledSheet, detailed: &DetailOutput) -> Vec<(Vec3, V
     let surfaces = surfaces(&asset, document, &detail, DetailOf::Rest, &mut Vec::new()).unwrap();
     assert!(surfaces.iter().all(|s| s.added.is_none()), "the file has tangents now");
     let creases = CreaseDistances::new(&scene.surface, 0.0);
-    let painter = Painter::new(&detail, &surfaces, &creases, DetailOf::Rest);
+    let painter = Painter::new(&detail, &surfaces, Some(&creases), DetailOf::Rest);
     let own = own_normal_map(document, surfaces[0].materials[0]).unwrap().expect("the material has the map");
     let mut smooth = vec![Vec3::zeros(); scene.fine.points.len()];
     let position = |p: PointIndex| scene.fine.points[p.at()] + scene.worn.displacement[p.at()];
@@ -370,10 +370,11 @@ fn the_mask_of_creases_has_their_angles() {
         flat_normals: FlatNormals::default(),
     };
     let glb = write_worn_glb(&asset, &coarse, &shown, &json!({"crease": {"sidecar": "x"}})).unwrap();
-    let options = MapOptions::new(1024, MapDepth::Eight);
+    let options = MapOptions { creases: true, ..MapOptions::new(1024, MapDepth::Eight) };
     let detailed = add_detail_map(&glb, &asset, &detail, options).unwrap();
-    let mut reader =
-        png::Decoder::new(std::io::Cursor::new(&detailed.maps[0].crease_png)).read_info().unwrap();
+    let mut reader = png::Decoder::new(std::io::Cursor::new(detailed.maps[0].crease_png.as_ref().unwrap()))
+        .read_info()
+        .unwrap();
     let mut grey = vec![0; reader.output_buffer_size().unwrap()];
     reader.next_frame(&mut grey).unwrap();
     // In the left island the crease of 90 degrees lies at v = 0.725, 2 mm wide.

@@ -33,12 +33,14 @@ pub struct MapOptions {
     pub depth: MapDepth,
     /// What the map shows.
     pub of: DetailOf,
+    /// Whether the mask of creases is painted as well.
+    pub creases: bool,
 }
 
 impl MapOptions {
     /// Maps of what the worn vertices do not show, of `side` x `side` texels.
     pub fn new(side: usize, depth: MapDepth) -> Self {
-        Self { side, depth, of: DetailOf::Rest }
+        Self { side, depth, of: DetailOf::Rest, creases: false }
     }
 }
 

@@ -16,7 +16,7 @@ use crate::gltf::fine::rows::PrimitiveRows;
 use crate::gltf::fine::worn_rows::WornVertex;
 use crate::gltf::smooth_shading::tilt_flat_normals;
 use crease_geometry::math::Vec3;
-use crease_geometry::mesh::PointIndex;
+use crease_geometry::mesh::{PointIndex, triangle_key};
 use crease_model::error::{Error, Result};
 use crease_model::garment::{SourceAsset, SourcePiece};
 use crease_model::remesh::{FileMesh, FileTriangle, FineMesh, FineVertex};
@@ -110,12 +110,8 @@ fn fine_pieces<'a>(worn: &'a SourceAsset, detail: &'a DetailInput) -> Vec<FinePi
 
 /// Triangles of the pieces, in the order of the file; and per piece those between fewer than three points, which have no area.
 fn file_triangles(pieces: &[FinePiece], detail: &DetailInput) -> (Vec<FileTriangle>, Vec<Vec<[u32; 3]>>) {
-    let sorted = |mut points: [u32; 3]| {
-        points.sort_unstable();
-        points
-    };
     let starts = detail.surface.starts(&detail.coarse.points, &detail.coarse.triangles);
-    let known = detail.coarse.triangles.iter().map(|t| sorted(t.map(|p| p.0)));
+    let known = detail.coarse.triangles.iter().map(|t| triangle_key(t.map(|p| p.0)));
     let starts: FxHashMap<[u32; 3], Option<u32>> = known.zip(starts).collect();
     let (mut all, mut flat) = (Vec::new(), vec![Vec::new(); pieces.len()]);
     for (piece, flat) in pieces.iter().zip(&mut flat) {
@@ -126,7 +122,7 @@ fn file_triangles(pieces: &[FinePiece], detail: &DetailInput) -> (Vec<FileTriang
                 flat.push(t);
                 continue;
             }
-            let start = starts.get(&sorted(points)).copied().flatten();
+            let start = starts.get(&triangle_key(points)).copied().flatten();
             all.push(FileTriangle { points, vertices: t.map(|v| v + piece.first as u32), start });
         }
     }
