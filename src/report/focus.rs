@@ -92,16 +92,8 @@ mod tests {
             stiffness_ratio: vec![1.0; points.len()],
             stretch_percent: None,
         };
-        let view = GarmentView {
-            file: String::new(),
-            vertex_points: Vec::new(),
-            before: points.clone(),
-            after: points,
-            triangles,
-            memory: Some(memory),
-            confidence: None,
-            surface: None,
-        };
+        let plain = GarmentView::of_shapes("", [points.clone(), points], triangles);
+        let view = GarmentView { memory: Some(memory), ..plain };
         let camera = view.focus_on_memory(&Camera::default());
         let focus = camera.focus.unwrap();
         assert!((focus.centre - at).norm() < 0.08, "{}", focus.centre);

@@ -97,6 +97,17 @@ pub struct PointMemory {
 }
 
 impl GarmentView {
+    /// Creates the view of a mesh without memory whose vertices are its points; `before` and `after` are its shapes [m].
+    pub fn of_shapes(
+        file: impl Into<String>,
+        [before, after]: [Vec<Vec3>; 2],
+        triangles: Vec<[PointIndex; 3]>,
+    ) -> Self {
+        let vertex_points = (0..before.len() as u32).map(PointIndex).collect();
+        let (memory, confidence, surface) = (None, None, None);
+        Self { file: file.into(), before, after, triangles, vertex_points, memory, confidence, surface }
+    }
+
     /// Creates the view from a sidecar, which has been validated by its reader.
     pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Self {
         let before = sidecar.mesh_points();

@@ -124,7 +124,6 @@ fn simulated_item(
     frames: Vec<Vec<Vec3>>,
     triangles: Vec<[PointIndex; 3]>,
 ) -> Result<ViewerItem> {
-    let file = input::name_of(folder);
     let [before, after] = [frames.first(), frames.last()].map(|x| x.cloned().unwrap_or_default());
     let corners: Vec<[u32; 3]> = triangles.iter().map(|t| t.map(|p| p.0)).collect();
     let positions: Vec<[f64; 3]> = after.iter().map(|&x| x.into()).collect();
@@ -133,17 +132,7 @@ fn simulated_item(
         &corners,
         MeshOptions::default().name("simulated").any_size(true),
     )?;
-    let vertex_points = (0..after.len() as u32).map(PointIndex).collect();
-    let view = GarmentView {
-        file,
-        before,
-        after,
-        triangles,
-        vertex_points,
-        memory: None,
-        confidence: None,
-        surface: None,
-    };
+    let view = GarmentView::of_shapes(input::name_of(folder), [before, after], triangles);
     let (glb, pieces) = (plain_glb(&mesh.asset)?, ViewerPiece::of_asset(&mesh.asset));
     Ok(ViewerItem { name: "simulated".to_owned(), glb, pieces, view, hinges: Vec::new(), frames })
 }

@@ -47,8 +47,7 @@ impl<'a> ShadedSurface<'a> {
     /// Computes normals and colours.
     pub fn new(surface: &DrawnSurface<'a>) -> Self {
         let DrawnSurface { points, drawn, colouring, .. } = *surface;
-        let areas: Vec<Vec3> = drawn.iter().map(|t| triangle::area_vector(&t.map(|i| points[i]))).collect();
-        let normals: Vec<Vec3> = areas.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect();
+        let (areas, normals) = areas_and_normals(points, drawn);
         let corner_normals = match surface.normals {
             Some(given) => given.to_vec(),
             None => corner_normals(points.len(), drawn, &areas, &normals),
@@ -90,9 +89,15 @@ impl<'a> ShadedSurface<'a> {
 /// Returns unit normals per triangle and corner: smooth, but for sharp edges.
 pub fn smooth_corner_normals(points: &[Vec3], triangles: &[[PointIndex; 3]]) -> Vec<[Vec3; 3]> {
     let all: Vec<[usize; 3]> = triangles.iter().map(|t| t.map(PointIndex::at)).collect();
-    let areas: Vec<Vec3> = all.iter().map(|t| triangle::area_vector(&t.map(|i| points[i]))).collect();
-    let normals: Vec<Vec3> = areas.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect();
+    let (areas, normals) = areas_and_normals(points, &all);
     corner_normals(points.len(), &all, &areas, &normals)
+}
+
+/// Returns per triangle its area vector [m²] and its unit normal.
+fn areas_and_normals(points: &[Vec3], triangles: &[[usize; 3]]) -> (Vec<Vec3>, Vec<Vec3>) {
+    let areas: Vec<Vec3> = triangles.iter().map(|t| triangle::area_vector(&t.map(|i| points[i]))).collect();
+    let normals = areas.iter().map(|n| n.try_normalize(0.0).unwrap_or_else(Vec3::y)).collect();
+    (areas, normals)
 }
 
 /// Returns the normals per corner: the mean over the triangles of the point whose normals differ by less than

@@ -268,18 +268,7 @@ mod tests {
     fn item(name: &str) -> ViewerItem {
         let (before, triangles) = sphere(0.3, 6);
         let after = before.iter().map(|p| p * 1.1).collect();
-        let (file, memory) = (name.to_owned(), None);
-        let vertex_points = (0..before.len() as u32).map(PointIndex).collect();
-        let view = GarmentView {
-            file,
-            before,
-            after,
-            triangles,
-            vertex_points,
-            memory,
-            confidence: None,
-            surface: None,
-        };
+        let view = GarmentView::of_shapes(name, [before, after], triangles);
         let hinges = vec![
             HingeLabel { points: [0, 1], source_deg: 1.0, rest_deg: 3.0, stiffness: 1.5 },
             HingeLabel { points: [1, 2], source_deg: 0.0, rest_deg: -40.0, stiffness: 2.0 },
