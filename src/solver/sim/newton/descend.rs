@@ -39,6 +39,6 @@ impl Problem<'_> {
         }
         let mut value = self.value(x, contact);
         let descent = Descent { gradient: &g, direction: &d };
-        self.line_search(x, descent, &mut value, &mut SolveContext { contact, work, report })
+        self.line_search(x, descent, &mut value, &mut SolveContext::new(contact, work, report))
     }
 }

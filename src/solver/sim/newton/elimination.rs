@@ -179,7 +179,7 @@ mod tests {
         let d = problem.direction(&start, &g, &mut work).expect("positive");
         let at_start = problem.value(&start, &contact);
         let descent = Descent { gradient: &g, direction: &d };
-        let mut context = SolveContext { contact: &mut contact, work: &mut work, report: &mut report };
+        let mut context = SolveContext::new(&mut contact, &mut work, &mut report);
 
         let (mut x, mut value) = (start.clone(), at_start);
         assert_eq!(problem.line_search(&mut x, descent, &mut value, &mut context), 0.25);

@@ -40,7 +40,8 @@ pub(super) enum LocalSolve {
 }
 
 impl Problem<'_> {
-    /// Solves on active sets from `x`, with gradient `g` there and the system as last assembled.
+    /// Solves on active sets from `x`, with gradient `g` there and the system as last assembled. A solve that uses up its rounds is the
+    /// last of the step: pairs in a spot where layers are pressed to nothing move by a part of their gap at a time.
     pub(super) fn solve_locally(
         &self,
         x: &mut [Vec3],
@@ -50,22 +51,26 @@ impl Problem<'_> {
     ) -> LocalSolve {
         let mut g = g.to_vec();
         let mut outcome = LocalSolve::Stalled;
+        if context.local_gave_up {
+            return outcome;
+        }
         for _ in 0..TUNING.local.max_rounds {
             let clock = Instant::now();
             let active = self.select_active_points(&g, limits, context.work, context.report);
             context.report.seconds.linear_solve += clock.elapsed().as_secs_f64();
-            let Some(active) = active else { break };
+            let Some(active) = active else { return outcome };
             if !active.contains(&true) {
                 return LocalSolve::Converged;
             }
             if !self.solve_subset(x, &active, limits.energy_tol, context) {
-                break;
+                return outcome;
             }
             outcome = LocalSolve::Progressed;
             let clock = Instant::now();
             g = self.gradient(x, context.contact);
             context.report.seconds.assembly += clock.elapsed().as_secs_f64();
         }
+        context.local_gave_up = true;
         outcome
     }
 
@@ -138,7 +143,7 @@ impl Problem<'_> {
         time_contact(context, |contact| contact.restrict_to(x, active));
         let mut own = context.work.local.take().unwrap_or_default();
         own.swap_buffers_with(context.work);
-        let mut local = SolveContext { contact: context.contact, work: &mut own, report: context.report };
+        let mut local = SolveContext::new(context.contact, &mut own, context.report);
         let has_moved = problem.iterate_locally(x, energy_tol, &mut local);
         own.swap_buffers_with(context.work);
         own.release_if_larger_than(TUNING.local.max_kept_factor_entries);

@@ -80,7 +80,7 @@ impl Problem<'_> {
             max_fraction: TUNING.local.max_active_fraction,
         };
         let begins_locally = self.begins_locally(work);
-        let mut context = SolveContext { contact, work, report: &mut report };
+        let mut context = SolveContext::new(contact, work, &mut report);
         if begins_locally {
             let clock = Instant::now();
             let g = self.gradient(x, context.contact);
