@@ -288,7 +288,13 @@ impl Stepper {
         let membrane = membrane.term(rest_state, &measure, stage.effective_dt);
         let bending = bending.term(rest_state, &angle, stage.effective_dt);
         let terms = stage_terms(&self.cloth, loads, buffers, stage, membrane, bending);
-        let terms: Vec<&dyn Energy> = terms.iter().map(AsRef::as_ref).collect();
+        // Elements between fixed points alone exert no force on free ones.
+        let free: Vec<bool> = buffers.fixed.iter().map(|fixed| !fixed).collect();
+        let restricts = buffers.fixed.contains(&true);
+        let parts: Vec<_> =
+            terms.iter().map(|term| restricts.then(|| term.restricted_to(&free)).flatten()).collect();
+        let terms: Vec<&dyn Energy> =
+            terms.iter().zip(&parts).map(|(whole, part)| part.as_deref().unwrap_or(whole.as_ref())).collect();
         let inertia =
             Inertia { mass: &self.cloth.mass, inertial: &inertial, effective_dt: stage.effective_dt };
         let problem = Problem {
