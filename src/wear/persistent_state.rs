@@ -70,6 +70,9 @@ pub struct FoldRecord {
     pub outward: Vec3,
     /// Angle by which the flap was turned [rad].
     pub angle: f64,
+    /// Points that stay where they are while cloth lies folded, one flag per point; empty for none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub panel: Vec<bool>,
 }
 
 /// A fold or a roll that has been made and not opened.
@@ -149,6 +152,31 @@ impl PersistentState {
     pub fn idle_loads(&self) -> Loads {
         let held = self.held_loads.clone().unwrap_or_else(|| Loads::gravity_only(self.ground));
         Loads { body: self.body.clone(), ..held }
+    }
+
+    /// Idle loads of cloth that lies folded: its panels stay where they are.
+    pub fn folded_loads(&self) -> Loads {
+        let idle = self.idle_loads();
+        if idle.fixed.is_empty() { Loads { fixed: self.panel(), ..idle } } else { idle }
+    }
+
+    /// Lets the panels of all folds move again.
+    pub fn free_panels(&mut self) {
+        for turn in &mut self.turns {
+            if let TurnRecord::Fold(fold) = turn {
+                fold.panel.clear();
+            }
+        }
+    }
+
+    /// Points that stay where they are in all folds, one flag per point; empty for none.
+    fn panel(&self) -> Vec<bool> {
+        let panel_of = |turn: &TurnRecord| match turn {
+            TurnRecord::Fold(fold) => fold.panel.clone(),
+            TurnRecord::Roll(_) => Vec::new(),
+        };
+        let both = |a: Vec<bool>, b: Vec<bool>| a.into_iter().zip(b).map(|(a, b)| a && b).collect();
+        self.turns.iter().map(panel_of).reduce(both).unwrap_or_default()
     }
 }
 

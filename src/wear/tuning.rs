@@ -37,6 +37,11 @@ pub(super) struct FoldTuning {
     /// Distance from the line [m], default 0.025, within which springs hold the resting part while the flap turns; beyond, it is
     /// fixed. A wider strip is lifted with the flap where layers bulge, and bends beside the line.
     pub held_width: f64,
+    /// Distance from the line and from the bend of the stack [m], default 0.03, beyond which flat cloth stays where the map of the fold has
+    /// it once the flap is turned over.
+    pub band_width: f64,
+    /// Largest slope of cloth that counts as flat [rad], default 0.35.
+    pub max_panel_tilt: f64,
     /// Largest angle that the flap turns per step [rad], default 0.12.
     pub max_turn_per_step: f64,
     /// Fraction of the points along the line that lie no higher than the stack [-], default 0.9: the others are bulges of
@@ -271,6 +276,8 @@ pub(super) const TUNING: WearTuning = WearTuning {
         flat_fold_deg: 150.0,
         strip_width: 0.05,
         held_width: 0.025,
+        band_width: 0.03,
+        max_panel_tilt: 0.35,
         max_turn_per_step: 0.12,
         stack_quantile: 0.9,
         axis_clearance: 0.75,

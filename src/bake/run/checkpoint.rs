@@ -278,7 +278,9 @@ impl Checkpoint {
                 && loads.springs.iter().all(|spring| inside(&spring.point))
         };
         let turned = |turn: &TurnRecord| match turn {
-            TurnRecord::Fold(fold) => fold.flap.iter().all(inside),
+            TurnRecord::Fold(fold) => {
+                fold.flap.iter().all(inside) && (fold.panel.is_empty() || fold.panel.len() == points)
+            }
             TurnRecord::Roll(roll) => roll.point_count() == points,
         };
         let persistent = self.persistent.turns.iter().all(turned)

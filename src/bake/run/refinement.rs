@@ -82,6 +82,9 @@ fn persistent_on(coarse: &PersistentState, refinement: &Refinement) -> Persisten
                 let mut in_flap = vec![false; first];
                 fold.flap.iter().for_each(|p| in_flap[*p as usize] = true);
                 let in_flap = refinement.flags(&in_flap);
+                if !fold.panel.is_empty() {
+                    fold.panel = refinement.flags(&fold.panel);
+                }
                 fold.flap = (0..in_flap.len() as u32).filter(|p| in_flap[*p as usize]).collect();
             }
             TurnRecord::Roll(roll) => roll.add_middles(&refinement.splits),

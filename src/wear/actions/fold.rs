@@ -5,6 +5,7 @@ use crate::wear::fraction::Fraction2;
 use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::layout::fold_map::{FoldAxis, FoldCoords, line_shift};
 use crate::wear::layout::height_field::HeightField;
+use crate::wear::layout::panel::panel;
 use crate::wear::motion::motion_profile::{PEAK_RATE, smoothstep};
 use crate::wear::motion::springs::{carry_spring, pin_spring};
 use crate::wear::persistent_state::{FoldRecord, GarmentFrame, PersistentState, TurnRecord};
@@ -179,6 +180,9 @@ impl WearAction for Fold {
             FlapPoint { point: p, coords, rise: rise * straight, mass: masses[p as usize] }
         };
         let held = TUNING.fold.held_width;
+        // On the side of the flap the outermost layer bends over half a turn around the stack.
+        let (band, bend) = (TUNING.fold.band_width, PI * top);
+        let near_line = |p: &Vec3| (-band..band + bend).contains(&line.beyond(p));
         // Of a garment in the shape of a body some cloth stands up: folds made before would open under it, and others would be made beside
         // their lines. Flat hands stroke the whole stack.
         let is_stroked = !persistent.cut.is_empty();
@@ -202,6 +206,7 @@ impl WearAction for Fold {
                 along: line.along,
                 outward: line.outward,
                 angle: self.angle_deg.to_radians(),
+                panel: panel(x, context.triangles, near_line),
             },
             over: self.over_s,
             is_held: false,
@@ -295,6 +300,7 @@ impl FoldRunner {
             pressed: self.smoothed.clone(),
             max_dt: if rises { fold.release_time / fold.release_steps } else { f64::INFINITY },
             transient: rises,
+            fixed: self.record.panel.clone(),
             ..self.idle_loads.clone()
         }
     }
@@ -325,7 +331,13 @@ impl ActionRunner for FoldRunner {
             springs: flap.chain(pins).collect(),
             guided: turning,
             transient: grip < 1.0,
-            fixed: if turning { self.fixed.clone() } else { Vec::new() },
+            fixed: if turning {
+                self.fixed.clone()
+            } else if self.supports_itself() {
+                self.record.panel.clone()
+            } else {
+                Vec::new()
+            },
             // The release slows down what was held.
             drag: self.idle_loads.drag + if grip < 1.0 { TUNING.fold.release_drag * grip } else { 0.0 },
             max_dt: if turning {
@@ -384,6 +396,7 @@ impl ActionRunner for FoldRunner {
     fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {
         if !self.supports_itself() {
             persistent.held_loads = Some(self.loads_at(f64::INFINITY, x));
+            self.record.panel.clear();
         }
         persistent.turns.push(TurnRecord::Fold(self.record.clone()));
     }

@@ -33,7 +33,7 @@ impl WearAction for Hold {
         _context: &ActionContext,
         persistent: &mut PersistentState,
     ) -> Result<ActionStart> {
-        ActionStart::here(ConstantLoads { loads: persistent.idle_loads(), may_end_early: false })
+        ActionStart::here(ConstantLoads { loads: persistent.folded_loads(), may_end_early: false })
     }
 
     fn example() -> Self {

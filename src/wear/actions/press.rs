@@ -45,7 +45,7 @@ impl WearAction for Press {
         ActionStart::here(PressRunner {
             pressure: self.pressure_pa,
             ramp_time: TUNING.other.press_ramp_time.min(0.5 * self.for_s),
-            idle_loads: persistent.idle_loads(),
+            idle_loads: persistent.folded_loads(),
         })
     }
 

@@ -83,6 +83,7 @@ impl WearAction for Unfold {
         persistent.held_loads = None;
         let mut turns = persistent.turns.split_off(count - wanted);
         turns.reverse();
+        persistent.free_panels();
         ActionStart::here(UnfoldRunner {
             time_per_turn: self.over_s / turns.len() as f64,
             turns,

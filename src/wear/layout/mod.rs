@@ -11,5 +11,6 @@ pub(crate) mod layer_order;
 pub(crate) mod layout_sides;
 pub(crate) mod line_layout;
 pub(crate) mod overlap_order;
+pub(crate) mod panel;
 pub(crate) mod plane_map;
 pub(crate) mod roll_map;
