@@ -5,6 +5,7 @@
 //! (`docs/guide/wear-scripts.md`). No garment, body or solver is known here: whether a joint exists is checked by the bake.
 
 pub(crate) mod action_list;
+mod action_order;
 mod preset_list;
 
 use crate::wear::script::action_list::{Action, Repeat};
