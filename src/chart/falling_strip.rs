@@ -100,8 +100,11 @@ pub(super) fn tilted_strip(points: usize, tilt: f64) -> Result<Garment> {
 
 /// Makes the solver of a strip.
 fn stepper(garment: &Garment, fabric: &Fabric, stepping: Stepping) -> Stepper {
-    let undamped = Fabric { stretch_damping_s: 0.0, bend_damping_s: 0.0, ..fabric.clone() };
-    let fabric = if stepping == Stepping::Undamped { &undamped } else { fabric };
+    let mut fabric = fabric.clone();
+    if stepping == Stepping::Undamped {
+        (fabric.stretch_damping_s, fabric.bend_damping_s) = (0.0, 0.0);
+    }
+    let fabric = &fabric;
     let mut cloth = Cloth::new(garment, fabric);
     let max_stiffness = fabric.area_density() * GRAVITY * HEIGHT / WEIGHT_STRAIN;
     let stiffness = fabric.stretch_warp().min(max_stiffness);
