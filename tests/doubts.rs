@@ -58,6 +58,50 @@ fn front_and_back_laid_flat_go_to_their_own_sides() {
     assert!(sheet.repairs().iter().any(|told| told.contains("copies of triangles")), "{:?}", sheet.repairs());
 }
 
+/// Both sides of `part` in one primitive, each on an island of its own in the texture.
+fn double_sided(part: &Part) -> Part {
+    let mut both = part.clone().textured(|[u, v]| [0.5 * u, v]);
+    let other = part.clone().reversed().textured(|[u, v]| [0.5 + 0.5 * u, v]);
+    let first = both.positions.len() as u32;
+    both.positions.extend(other.positions);
+    both.uvs.extend(other.uvs);
+    both.triangles.extend(other.triangles.iter().map(|t| t.map(|v| v + first)));
+    both
+}
+
+/// Cloth of games, flat and in waves: both sides are one cloth.
+#[test]
+fn double_sided_cloth_is_worn_once() {
+    let flat = Part::sheet(6, 0.4, [0.0; 3]);
+    let wavy = flat.clone().moved(|[x, y, _]| [x, y, 0.03 * (20.0 * x).sin()]);
+    for part in [flat, wavy] {
+        let cape = parse(&[("cape", vec![double_sided(&part)])]);
+        assert_eq!((cape.garment.points.len(), cape.garment.triangles.len()), (49, 72));
+        let told = cape.repairs();
+        assert!(told.iter().any(|told| told.contains("72 triangles of the other side")), "{told:?}");
+    }
+}
+
+/// One pocket, and two, 3 mm off the panel and open above: their borders lie on inner edges of the panel.
+#[test]
+fn pockets_are_sewn_onto_the_inside_of_a_panel() {
+    let pocket = |x: f64| {
+        let inside = move |[px, py, _]: [f64; 3]| {
+            let on_seam = (px - x).abs() > 0.09 || py < -0.09;
+            [px, py, if on_seam { 0.0 } else { 0.003 }]
+        };
+        Part::sheet(4, 0.2, [x, 0.0, 0.0]).moved(inside)
+    };
+    let panel = Part::sheet(16, 0.8, [0.0; 3]);
+    let points = |pockets: &[f64]| {
+        let parts = std::iter::once(panel.clone()).chain(pockets.iter().map(|x| pocket(*x))).collect();
+        parse(&[("front", parts)]).garment.points.len()
+    };
+    // 3 sides of 4 edges are sewn: 13 of the 25 points.
+    assert_eq!(points(&[]), 289);
+    assert_eq!([points(&[-0.2]), points(&[-0.2, 0.2])], [289 + 12, 289 + 24]);
+}
+
 #[test]
 fn linings_and_patches_in_the_plane_of_the_shell_are_set_apart() {
     let shell = Part::sheet(6, 0.4, [0.0; 3]);

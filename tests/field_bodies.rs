@@ -375,3 +375,37 @@ fn every_file_has_its_own_unit_and_axis() {
     let options = ReadOptions::default();
     assert!(load_body(folder.path().join("bar.obj"), &options).is_ok(), "a body of any size");
 }
+
+/// A stand of two bars and a pair of mirrored arms: two nodes show one mesh. Both are the body, each where its node is, the mirrored one
+/// with its faces outwards; by its name one alone.
+#[test]
+fn each_node_of_a_shared_mesh_is_a_part_of_the_body() {
+    let mut stand = empty();
+    let mesh = add_tube(&mut stand, &tube(0.05, 0.5), true);
+    add_node(&mut stand, json!({"name": "bar.L", "mesh": mesh, "translation": [0, 1, 0.13]}));
+    add_node(
+        &mut stand,
+        json!({"name": "bar.R", "mesh": mesh, "translation": [0, 1, -0.13], "scale": [1, 1, -1]}),
+    );
+    let bytes = stand.glb();
+    let sides = |part: &str| {
+        let body = body_of(&bytes, part);
+        let moved = |side: f64| -> Vec<Vec3> {
+            body.rest_points().iter().map(|x| x - Vec3::new(0.0, 1.0, side * 0.13)).collect()
+        };
+        [1.0, -1.0].map(|side| {
+            let points = moved(side);
+            let own: Vec<_> = body
+                .triangles()
+                .iter()
+                .filter(|t| t.iter().all(|p| points[p.at()].yz().norm() < 0.06))
+                .copied()
+                .collect();
+            (own.len(), outward_fraction(&points, &own))
+        })
+    };
+    let count = tube_corners(true).len() / 3;
+    assert_eq!(sides("bar.L,bar.R"), [(count, 1.0), (count, 1.0)]);
+    let [left, right] = sides("bar.R");
+    assert_eq!((left.0, right), (0, (count, 1.0)));
+}

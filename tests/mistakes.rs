@@ -10,7 +10,7 @@ use std::path::Path;
 use tool::{Pose, crease_in, wavy_sheet};
 
 /// What the user wanted to do, and the command.
-const MISTAKES: [(&str, &str); 67] = [
+const MISTAKES: [(&str, &str); 71] = [
     ("a wrong path", "bake shrit.obj --wear wear.json -o out.glb"),
     ("a folder for a file", "inspect folder"),
     ("a format that is not read", "inspect shirt.fbx"),
@@ -77,6 +77,10 @@ const MISTAKES: [(&str, &str); 67] = [
     ("a misspelt script in a batch", "batch script-jobs.json"),
     ("a device for a mesh", "inspect /dev/null"),
     ("a buffer in another folder", "inspect outside.gltf"),
+    ("a size of a map after a blank", "bake sheet.obj --wear wear.json --detail-map 1024 -o out.glb"),
+    ("a fold of cloth that does not lie", "bake sheet.obj --wear early-fold.json -o out.glb"),
+    ("a plan of such a fold", "bake sheet.obj --wear early-fold.json --explain"),
+    ("a press of cloth that hangs", "bake sheet.obj --wear hung-press.json -o out.glb"),
     ("an output that cannot be worn", "bake sheet.obj --wear wear.json -o out.obj"),
 ];
 
@@ -150,6 +154,8 @@ fn write_misplaced(folder: &Path) {
         "fold-radians.json",
         r#"{"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left", "angle": 3.14159}}"#,
     );
+    script("early-fold.json", r#"{"fold": {"line": [[0.5, 0], [0.5, 1]], "side": "left"}}"#);
+    script("hung-press.json", r#"{"lay": {}}, {"hang": {"for": 1}}, {"press": {"pressure": 100, "for": 1}}"#);
     jobs("jobs.json", "wear.json", "");
     jobs("typo-jobs.json", "wear.json", "\"--stength\", \"0.5\"");
     jobs("value-jobs.json", "wear.json", "\"--strength=much\"");

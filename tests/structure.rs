@@ -5,6 +5,8 @@
 
 #[path = "structure/citations.rs"]
 mod citations;
+#[path = "structure/figures.rs"]
+mod figures;
 #[path = "structure/floors.rs"]
 mod floors;
 #[path = "structure/lengths.rs"]

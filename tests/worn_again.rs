@@ -223,3 +223,59 @@ fn memory_that_cannot_be_carried_on_is_told() {
     let (_, err, code) = bake("worn.glb -o again.glb --fabric denim");
     assert!(code != 0 || err.contains("was earned on"), "{err}");
 }
+
+/// Mesh and sidecar that were renamed together, to plain names and to names with a dot: what is remembered is carried on.
+#[test]
+fn a_renamed_pair_keeps_its_memory() {
+    let folder = tempfile::tempdir().expect("a folder");
+    tool::write(folder.path(), "sheet.obj", wavy_sheet(10, 0.0, Pose::Lying));
+    tool::write_script(folder.path(), "fold.json", &format!("{LAY}, {FOLD_ACROSS}"));
+    tool::write_script(folder.path(), "rest.json", &format!("{LAY}, {}", r#"{"settle": {"for": 0.2}}"#));
+    let bake = "bake sheet.obj --wear fold.json --fabric kow-tshirt --quality draft -o worn.glb";
+    let (_, error, code) = crease_in(folder.path(), bake);
+    assert_eq!(code, 0, "{error}");
+    let mut name = "worn".to_owned();
+    for renamed in ["shirt", "shirt.v2"] {
+        for ending in ["glb", "crease.json"] {
+            let [from, to] = [&*name, renamed].map(|stem| folder.path().join(format!("{stem}.{ending}")));
+            std::fs::rename(from, to).expect("renames");
+        }
+        name = renamed.to_owned();
+        let line =
+            format!("bake {name}.glb --wear rest.json --fabric kow-tshirt --quality draft -o again.glb");
+        let (_, error, code) = crease_in(folder.path(), &line);
+        assert!(code == 0 && !error.contains("worn already, and that is left out"), "{renamed}: {error}");
+        let report = std::fs::read(folder.path().join("again.report.json")).expect("reads");
+        let report: Value = serde_json::from_slice(&report).expect("is JSON");
+        assert!(
+            report["max_rest_angle_change_deg"].as_f64().is_some_and(|d| d > 20.0),
+            "{renamed}: {report}"
+        );
+    }
+}
+
+/// A patch that stands through the sheet, and a second one: the summary counts what is in the file written, not what is new alone.
+#[test]
+fn crossings_of_the_file_written_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    tool::write_script(folder.path(), "rest.json", r#"{"settle": {"for": 0.1}}"#);
+    let mut sheet = wavy_sheet(10, 0.0, Pose::Lying);
+    let mut before = 0;
+    for (k, x) in [0.051, 0.131].into_iter().enumerate() {
+        sheet += &format!("v {x} -0.02 0.031\nv {x} -0.02 0.173\nv {x} 0.02 0.173\nv {x} 0.02 0.031\n");
+        let first = 121 + 4 * k + 1;
+        sheet += &format!("f {first} {} {} {}\n", first + 1, first + 2, first + 3);
+        tool::write(folder.path(), "sheet.obj", &sheet);
+        let line = "bake sheet.obj --wear rest.json --quality draft -o out.glb";
+        let (_, error, code) = crease_in(folder.path(), line);
+        assert_eq!(code, 0, "{error}");
+        let report = std::fs::read(folder.path().join("out.report.json")).expect("reads");
+        let report: Value = serde_json::from_slice(&report).expect("is JSON");
+        let [at_start, in_result, added] = ["crossings_at_start", "crossings_in_result", "crossings"]
+            .map(|key| report[key].as_u64().expect("is a count"));
+        assert!(at_start > before && in_result == at_start && added == 0, "{report}");
+        before = at_start;
+        let told = format!("0 new crossings, {in_result} in the file written ({at_start} in the input)");
+        assert!(error.contains(&told), "{error}");
+    }
+}

@@ -215,7 +215,10 @@ impl<'a> Bake<'a> {
         }
         plan.decisions.push(choice.decision);
         plan.decisions.extend(choice.layout.as_ref().map(laid_out));
-        plan.decisions.extend(self.earlier.map(earlier_decision));
+        if let Some(earlier) = self.earlier {
+            plan.apply_earlier(options);
+            plan.decisions.push(earlier_decision(earlier));
+        }
         if let Some(leash) = GarmentLeash::new(garment, options) {
             plan.decisions.push(leash.decision());
             plan.decisions.extend(leash.memory_from_motion().filter(|_| is_played(script)));

@@ -14,6 +14,7 @@
 //! | `relax/` | second phase |
 //! | `report` | what is reported |
 
+mod bend_reach;
 mod body;
 mod builder;
 mod choose_mesh;

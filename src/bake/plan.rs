@@ -4,6 +4,7 @@
 //! `crease chart plan` shows the cost and the error of the choice.
 
 use crate::bake::BakeOptions;
+use crate::bake::bend_reach::{BendReach, ReachedBand, ReachedCloth};
 use crate::bake::tuning::TUNING;
 use crate::wear::{Action, LayoutQuality, WearScript};
 use crease_geometry::math::{Vec3, bounds};
@@ -40,6 +41,8 @@ pub struct ModelPlan {
     pub contact_stiffness: f64,
     /// Whether cloth can meet cloth.
     pub layers_meet: bool,
+    /// Whether the cloth can remember anything of the script.
+    pub remembers: bool,
     /// Smallest bending length of an element in lengths of its edges [-]; 0 for the fabric's own bending everywhere.
     pub min_bending_edges: f64,
     /// Reference length of the memory law [m].
@@ -58,7 +61,9 @@ impl ModelPlan {
         scene.bending(&mut decisions);
         decisions.push(scene.sewing());
         let reference_length = reference_length(garment, fabric);
-        decisions.push(scene.memory(reference_length));
+        let memory = scene.memory(reference_length);
+        let remembers = memory.on;
+        decisions.push(memory);
         let (layers_meet, contact_distance) = scene.self_contact(&mut decisions);
         decisions.push(scene.friction(layers_meet));
         decisions.push(ModelDecision { name: "body", on: false, why: "no body was given".into() });
@@ -69,6 +74,7 @@ impl ModelPlan {
             contact_distance,
             contact_stiffness,
             layers_meet,
+            remembers,
             min_bending_edges: 0.0,
             reference_length,
             decisions,
@@ -132,6 +138,17 @@ impl ModelPlan {
 }
 
 impl ModelPlan {
+    /// Adapts the plan to cloth that begins with what it remembers: that reopens and goes into the result whatever the script reaches.
+    pub(super) fn apply_earlier(&mut self, options: &BakeOptions) {
+        self.remembers = options.memory;
+        let memory = self.decisions.iter_mut().find(|decision| decision.name == "memory");
+        if let Some(decision) = memory.filter(|decision| options.memory && !decision.on) {
+            decision.on = true;
+            let why = std::mem::take(&mut decision.why);
+            decision.why = why + "; what it remembers already is carried on";
+        }
+    }
+
     /// Factors on the bending rigidity, one per triangle [-], with which no element of `garment` bends more easily than its edges can show.
     pub(super) fn bending_factors(&self, garment: &Garment, fabric: &Fabric) -> Vec<f64> {
         let own = fabric.bending_length();
@@ -226,64 +243,59 @@ impl PlannedScene<'_> {
         ModelDecision { name: "hems and seams", on: hem + seam > 0.0, why: why.into() }
     }
 
-    /// Largest fold angle that the script names [degrees], and whether the script presses or crumples.
-    fn sharpest_fold(&self) -> (f64, bool) {
-        self.actions.iter().fold((0.0, false), |(fold, pressed), action| match action.as_ref() {
-            Action::Fold(action) => (action.angle_deg.abs().max(fold), pressed),
-            Action::Bend(action) => (action.angle_deg.abs().max(fold), pressed),
-            Action::Press(_) | Action::Iron(_) | Action::Crumple(_) => (fold, true),
-            _ => (fold, pressed),
-        })
-    }
-
     fn memory(&self, reference_length: f64) -> ModelDecision {
-        let (fold, pressed) = self.sharpest_fold();
+        let name = "memory";
+        if !self.options.memory {
+            return ModelDecision { name, on: false, why: "switched off".into() };
+        }
         let memory = &self.fabric.memory;
-        let [gradual, critical] =
-            [memory.gradual_threshold(), memory.critical_threshold()].map(f64::to_degrees);
-        let on = self.options.memory;
-        let why = if on {
-            let creases =
-                if fold >= TUNING.models.creasing_fold_deg || pressed { "critical" } else { "gradual" };
-            let presses = if pressed { " and pressing or crumpling" } else { "" };
-            let length = 1e3 * reference_length;
-            format!(
-                "gradual beyond {gradual:.0} degrees within {length:.0} mm, critical beyond {critical:.0}; folds of {fold:.0} degrees{presses} reach the {creases} band"
-            )
-        } else {
-            "switched off".into()
-        };
-        ModelDecision { name: "memory", on, why: why.into() }
+        let thresholds = [memory.gradual_threshold(), memory.critical_threshold()];
+        let is_worn = self.options.body.is_some();
+        let cloth = ReachedCloth { is_one_layer: is_one_flat_layer(self.garment), is_worn, reference_length };
+        let reach = BendReach::new(self.actions, cloth);
+        let on = reach.band(thresholds) > ReachedBand::Neither || is_worn || self.options.full_fidelity;
+        let [gradual, critical] = thresholds.map(f64::to_degrees);
+        let why = format!(
+            "gradual beyond {gradual:.0} degrees within {:.0} mm, critical beyond {critical:.0}: {}",
+            1e3 * reference_length,
+            reach.describe(thresholds)
+        );
+        ModelDecision { name, on, why: why.into() }
     }
 
     /// Whether layers can meet, and the activation distance of their contact [m].
     fn self_contact(&self, decisions: &mut Vec<ModelDecision>) -> (bool, f64) {
         let element = self.garment.mean_edge();
         let distance = self.fabric.thickness().min(TUNING.models.max_contact_edge_fraction * element);
-        let quiet = |action: &&Cow<Action>| {
+        let count = |kind: fn(&Action) -> bool| self.actions.iter().filter(|action| kind(action)).count();
+        let turning = count(|action| {
             matches!(
-                ***action,
-                Action::Lay(_)
-                    | Action::Press(_)
-                    | Action::Iron(_)
-                    | Action::Hold(_)
-                    | Action::Settle(_)
-                    | Action::Release(_)
+                action,
+                Action::Fold(_) | Action::Roll(_) | Action::Crumple(_) | Action::Bend(_) | Action::Play(_)
             )
-        };
-        let moving = self.actions.iter().filter(|action| !quiet(action)).count();
+        });
+        // Cloth that hangs or is let go in the air takes a shape of its own, whose folds can touch; on the ground it stays as it lies.
+        let lies = matches!(self.actions.first().map(Cow::as_ref), Some(Action::Lay(_)));
+        let draping = count(|action| matches!(action, Action::Hang(_)))
+            + if lies { 0 } else { count(|action| matches!(action, Action::Release(_))) };
         let one_layer = is_one_flat_layer(self.garment);
+        let moving = turning + draping;
         let meet =
             self.garment.triangles.len() > 1 && (self.options.full_fidelity || moving > 0 || !one_layer);
-        let why = if meet {
-            let layers = if one_layer { "one flat layer" } else { "more than one layer" };
-            format!(
-                "layers {:.2} mm apart: {layers} at the start, {moving} of {} actions bring layers together",
-                1e3 * distance,
-                self.actions.len()
-            )
+        let layers = if one_layer { "one flat layer" } else { "more than one layer" };
+        let all = self.actions.len();
+        let why = if moving == 0 && one_layer {
+            format!("{layers}, and none of {all} actions folds it or lets it drape")
         } else {
-            format!("one flat layer, and none of {} actions folds it", self.actions.len())
+            let drape = if draping > 0 {
+                format!(", {draping} let it drape, where folds of it can touch")
+            } else {
+                String::new()
+            };
+            format!(
+                "layers {:.2} mm apart: {layers} at the start, {turning} of {all} actions lay it on itself{drape}",
+                1e3 * distance
+            )
         };
         decisions.push(ModelDecision { name: "self-contact", on: meet, why: why.into() });
         (meet, distance)
@@ -398,6 +410,40 @@ mod tests {
         assert!(plan(&squares(1), FOLD, false).layers_meet);
         assert!(plan(&squares(2), SETTLE, false).layers_meet);
         assert!(plan(&squares(1), SETTLE, true).layers_meet);
+    }
+
+    /// The decision `name` of a plan.
+    fn decision(plan: &ModelPlan, name: &str) -> (bool, String) {
+        let found = plan.decisions.iter().find(|decision| decision.name == name).expect("is decided");
+        (found.on, found.why.to_string())
+    }
+
+    #[test]
+    fn memory_is_off_where_the_script_reaches_no_threshold_of_the_fabric() {
+        const LAY: &str = r#"{"lay": {}}"#;
+        let lies = plan(&squares(1), &format!("{LAY}, {SETTLE}"), false);
+        let (on, why) = decision(&lies, "memory");
+        assert!(!on && !lies.remembers && why.contains("no action of the script bends the cloth"), "{why}");
+        let small = plan(&squares(1), &format!("{LAY}, {}", FOLD.replace("180", "3")), false);
+        let (on, why) = decision(&small, "memory");
+        assert!(!on && why.contains("`fold` bends by up to 3 degrees (below both)"), "{why}");
+        let folded = plan(&squares(1), &format!("{LAY}, {FOLD}"), false);
+        let (on, why) = decision(&folded, "memory");
+        assert!(
+            on && folded.remembers && why.contains("`fold` bends by up to 180 degrees (critical)"),
+            "{why}"
+        );
+        assert!(plan(&squares(1), SETTLE, true).remembers, "every model is on with full fidelity");
+        let mut worn = lies;
+        worn.apply_earlier(&BakeOptions::default());
+        assert!(worn.remembers && decision(&worn, "memory").0);
+    }
+
+    #[test]
+    fn hanging_lays_no_layers_on_one_another() {
+        let hung = plan(&squares(1), r#"{"hang": {}}"#, false);
+        let (on, why) = decision(&hung, "self-contact");
+        assert!(on && why.contains("0 of 1 actions lay it on itself, 1 let it drape"), "{why}");
     }
 
     #[test]

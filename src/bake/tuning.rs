@@ -74,8 +74,6 @@ pub(super) struct ModelTuning {
     pub crease_length: f64,
     /// The same at most, as a fraction of the garment's extent [-], default 0.05: a doll's garment is creased like a person's.
     pub crease_extent_fraction: f64,
-    /// Fold angle from which the crease law decides and not how the cloth bends [degrees].
-    pub creasing_fold_deg: f64,
 }
 
 /// The simulation mesh ([`crate::bake::MeshChoice`]).
@@ -353,7 +351,6 @@ impl BakeTuning {
             min_bending_edges_on_body: 2.0,
             crease_length: 0.02,
             crease_extent_fraction: 0.05,
-            creasing_fold_deg: 150.0,
         },
         simulation_mesh: SimulationMeshTuning {
             max_extent_fraction: 0.04,

@@ -13,7 +13,9 @@ use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RestState};
 use crease_solver::contact::{Contact, ContactSettings};
 use crease_solver::memory::{Memory, MemoryModel, Strains};
-use crease_solver::sim::{Cloth, GRAVITY, Loads, NewtonSeconds, State, StepOptions, StepRelaxation, Stepper};
+use crease_solver::sim::{
+    Cloth, GRAVITY, Loads, Method, NewtonSeconds, State, StepOptions, StepRelaxation, Stepper,
+};
 use std::time::Instant;
 
 /// Points of the paper's meshes.
@@ -56,6 +58,8 @@ pub enum Stepping {
     /// Adaptive steps with the error control of the default quality, without the limit by memory events; at least a
     /// few within the duration of rest.
     Adaptive,
+    /// Fixed steps of BDF2 without drag and without damping of the cloth: nothing but memory, friction and the integrator takes energy.
+    Undamped,
 }
 
 /// Result and cost of a fall.
@@ -96,6 +100,11 @@ pub(super) fn tilted_strip(points: usize, tilt: f64) -> Result<Garment> {
 
 /// Makes the solver of a strip.
 fn stepper(garment: &Garment, fabric: &Fabric, stepping: Stepping) -> Stepper {
+    let mut fabric = fabric.clone();
+    if stepping == Stepping::Undamped {
+        (fabric.stretch_damping_s, fabric.bend_damping_s) = (0.0, 0.0);
+    }
+    let fabric = &fabric;
     let mut cloth = Cloth::new(garment, fabric);
     let max_stiffness = fabric.area_density() * GRAVITY * HEIGHT / WEIGHT_STRAIN;
     let stiffness = fabric.stretch_warp().min(max_stiffness);
@@ -113,6 +122,13 @@ fn stepper(garment: &Garment, fabric: &Fabric, stepping: Stepping) -> Stepper {
         Stepping::Fixed => {
             StepOptions { min_dt: STEP, max_dt: STEP, relaxation: StepRelaxation::OFF, ..step }
         }
+        Stepping::Undamped => StepOptions {
+            method: Method::Bdf2,
+            min_dt: STEP,
+            max_dt: STEP,
+            relaxation: StepRelaxation::OFF,
+            ..step
+        },
         Stepping::Adaptive => StepOptions { max_dt: REST_DURATION / MIN_STEPS_OF_REST, ..step },
     };
     Stepper::new(cloth, contact, options)
@@ -150,7 +166,8 @@ pub fn fall(
         residuals: Vec::new(),
     };
     let mass: f64 = stepper.cloth.mass.iter().sum();
-    let loads = Loads { drag: DRAG, ..Loads::gravity_only(Some(0.0)) };
+    let drag = if stepping == Stepping::Undamped { 0.0 } else { DRAG };
+    let loads = Loads { drag, ..Loads::gravity_only(Some(0.0)) };
     let clock = Instant::now();
     let mut at_rest_since = None;
     let mut dt_request = STEP;

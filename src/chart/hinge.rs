@@ -8,13 +8,13 @@
 
 use crate::{Axis, BLACK, Chart, ChartOptions, Figure, Mark, Panel, Series, Table};
 use crease_model::error::Result;
-use crease_model::fabric::FabricMemory;
+use crease_model::fabric::{EventGuard, FabricMemory};
 use crease_solver::memory::{ElementParams, EventCount, HysteresisState, MemoryLaw};
 
 /// Fold angle [rad].
-const FOLD_ANGLE: f64 = 3.01;
+pub(super) const FOLD_ANGLE: f64 = 3.01;
 /// Duration of the fold [s].
-const FOLD_DURATION: f64 = 9.0;
+pub(super) const FOLD_DURATION: f64 = 9.0;
 /// Time shown after the release [s].
 const SHOWN_AFTER: f64 = 1.0;
 /// Duration of a critical event in this protocol [s].
@@ -67,23 +67,28 @@ pub struct HingeFold {
     pub max_torque: f64,
 }
 
-/// Memory law of this protocol; `None` without memory.
-fn law(tau_gradual: Option<f64>) -> Option<MemoryLaw> {
+/// The law of the paper's T-shirt with gradual events after `tau_gradual` and critical ones after `tau_critical` [s].
+pub(super) fn law(tau_gradual: f64, tau_critical: f64, guard: EventGuard) -> MemoryLaw {
     let memory = FabricMemory {
-        gradual_duration_s: tau_gradual?,
-        critical_duration_s: CRITICAL_DURATION,
+        gradual_duration_s: tau_gradual,
+        critical_duration_s: tau_critical,
+        guard,
         ..FabricMemory::default()
     };
-    Some(MemoryLaw::for_angles(&memory))
+    MemoryLaw::for_angles(&memory)
 }
 
 /// Folds the hinge with steps of `step` [s] and gradual events after `tau_gradual` [s]; without memory for `None`.
 pub fn fold(tau_gradual: Option<f64>, step: f64) -> HingeFold {
+    fold_by(tau_gradual.map(|tau| law(tau, CRITICAL_DURATION, EventGuard::Energy)), step)
+}
+
+/// Folds the hinge with steps of `step` [s] and the memory `law`; without memory for `None`.
+pub(super) fn fold_by(law: Option<MemoryLaw>, step: f64) -> HingeFold {
     let angle = |t: f64| {
         let u = (t / FOLD_DURATION).min(1.0);
         FOLD_ANGLE * u * u * (3.0 - 2.0 * u)
     };
-    let law = law(tau_gradual);
     let (mut state, mut fold) = (HysteresisState::new(0.0), HingeFold::default());
     fold.path.push(FoldSample::default());
     let steps = (FOLD_DURATION / step).round() as usize;

@@ -50,6 +50,8 @@ macro_rules! chart_list {
 
 chart_list! {
     hinge "hinge" "torque and rest angle of one folded hinge, compared with the paper's Table 2",
+    readings "readings" "readings of the paper's law, by the strain and by the rate, and guards of its events, compared with its Table 2",
+    guards "guards" "both guards of the events of memory: recovery of all presets, and time to rest of falling strips (two minutes a run)",
     strip "strip" "time to rest of falling strips with and without memory, compared with the paper's Table 1",
     kes_loop "loop" "moment over curvature of a strip in cyclic bending (KES-FB2 test)",
     cantilever "cantilever" "strips bending under their own weight, compared with the heavy elastica",

@@ -11,6 +11,7 @@ mod runtime;
 
 pub use runtime::wording::ToolWords;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, Parser, Subcommand};
 #[cfg(feature = "charts")]
 use commands::chart;
@@ -102,9 +103,11 @@ impl Command {
 
 /// Runs the command line `words`, of which the first is the name of the program; returns the exit code.
 pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
-    let arguments = match Arguments::try_parse_from(words) {
+    let words: Vec<OsString> = words.into_iter().collect();
+    let arguments = match Arguments::try_parse_from(&words) {
         Ok(arguments) => arguments,
         Err(error) => {
+            let error = with_equals_tip(error, &words);
             // Help and version arrive here, too. A closed pipe is not an error.
             let _ = error.print();
             return if error.use_stderr() { 2 } else { 0 };
@@ -117,6 +120,22 @@ pub fn run(words: impl IntoIterator<Item = OsString>) -> u8 {
             exit_code(&error)
         }
     }
+}
+
+/// Returns `error` with the right way to write a value that stands behind an option and is taken behind an equals sign only.
+fn with_equals_tip(mut error: clap::Error, words: &[OsString]) -> clap::Error {
+    let Some(ContextValue::String(value)) = error.get(ContextKind::InvalidArg) else { return error };
+    let option = words.windows(2).find(|pair| pair[1] == **value).and_then(|pair| pair[0].to_str());
+    let name = option.and_then(|option| option.strip_prefix("--"));
+    let command = Arguments::command();
+    let mut options = command.get_subcommands().flat_map(clap::Command::get_arguments);
+    if let Some(name) = name
+        && options.any(|option| option.is_require_equals_set() && option.get_long() == Some(name))
+    {
+        let tip = format!("write --{name}={value}").into();
+        error.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
+    }
+    error
 }
 
 /// Returns the exit code of `error`.

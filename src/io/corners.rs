@@ -13,7 +13,7 @@ pub(super) struct Corner {
     pub(super) normal: u32,
 }
 
-/// Vertices of one piece, one per different corner in order of first use, and its triangles.
+/// Vertices of one piece, one per different corner in order of first use until they are numbered otherwise, and its triangles.
 #[derive(Default)]
 pub(super) struct CornerVertices {
     numbers: FxHashMap<Corner, u32>,
@@ -40,6 +40,28 @@ impl CornerVertices {
         for triangle in triangulator.triangulate(&outline) {
             self.triangles.push(triangle.map(|k| vertices[k as usize]));
         }
+    }
+
+    /// Numbers the vertices in the order of their positions: first one vertex per position, then the others of seams.
+    pub(super) fn number_by_position(&mut self) {
+        let count = self.corners.len();
+        let position = |v: &u32| self.corners[*v as usize].position;
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        order.sort_by_key(position);
+        let (mut first, mut other) = (Vec::with_capacity(count), Vec::new());
+        for v in order {
+            match first.last().is_some_and(|last| position(last) == position(&v)) {
+                true => other.push(v),
+                false => first.push(v),
+            }
+        }
+        first.extend(other);
+        let mut number = vec![0; count];
+        (0..).zip(&first).for_each(|(new, old)| number[*old as usize] = new);
+        self.triangles.iter_mut().flatten().for_each(|v| *v = number[*v as usize]);
+        self.numbers.values_mut().for_each(|v| *v = number[*v as usize]);
+        self.corners = first.iter().map(|old| self.corners[*old as usize]).collect();
+        self.face_normals = first.iter().map(|old| self.face_normals[*old as usize]).collect();
     }
 
     fn vertex(&mut self, corner: Corner, face_normal: Vec3) -> u32 {

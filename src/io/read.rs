@@ -17,7 +17,7 @@ use crease_model::garment::{
     ImportDiagnostic, Severity, SourceAsset, SourceFormat, SourcePiece, UpAxis, is_in_range,
     is_plausible_unit,
 };
-use crease_model::json::kind_of_file;
+use crease_model::json::{FileKind, kind_of_file};
 use sha2::{Digest, Sha256};
 use std::path::PathBuf;
 
@@ -155,11 +155,9 @@ pub fn read_asset_with(
 
 /// Returns the error of a file that is another of this crate's formats and no mesh.
 fn no_mesh(file_name: &str, bytes: &[u8]) -> Option<Error> {
-    let kind = kind_of_file(bytes).filter(|kind| !kind.ends_with(" mesh"))?;
+    let kind = kind_of_file(bytes).filter(|kind| !kind.is_mesh())?;
     let help = match kind {
-        "the sidecar of a worn garment" | "the report of a run" => {
-            "give the worn mesh that was written beside it"
-        }
+        FileKind::Sidecar | FileKind::Report => "give the worn mesh that was written beside it",
         _ => "give the mesh file here",
     };
     Some(Error::input(file_name, "", format!("is {kind}, not a mesh"), help))

@@ -86,7 +86,8 @@ impl WearSource {
             Self::File(path) => (read_script(&path)?, crate::files::file_name(&path)),
             Self::Script { name, script } => (*script, name),
         };
-        let errors = if has_body { Vec::new() } else { script.errors_without_body(&name) };
+        let mut errors = if has_body { Vec::new() } else { script.errors_without_body(&name) };
+        errors.extend(script.order_errors(&name));
         if errors.is_empty() { Ok((script, name)) } else { Err(Error::Input(errors)) }
     }
 }

@@ -445,6 +445,11 @@ impl Message {
         message + self.text.get(at..).unwrap_or_default()
     }
 
+    /// Whether it names `setting`.
+    pub fn names_setting(&self, setting: Setting) -> bool {
+        self.terms.iter().any(|placed| matches!(&placed.term, Term::Setting(own, _) if *own == setting))
+    }
+
     /// Joins messages with `separator` between them.
     pub fn join(all: impl IntoIterator<Item = Self>, separator: &str) -> Self {
         all.into_iter().reduce(|joined, next| joined + separator + next).unwrap_or_default()

@@ -36,18 +36,42 @@ impl ActionContext<'_> {
         Error::input(self.script_file, self.location, message, help)
     }
 
-    /// The error of the action `name` that needs a garment that lies open.
-    pub(super) fn refuse_not_open(&self, name: &str) -> Error {
-        self.refuse(
-            format!("`{name}` needs a garment that lies and is not rolled up"),
-            "lay it first: {\"lay\": {}}, or open the roll: {\"unfold\": {\"last\": 1}}",
-        )
+    /// The error of the action `name` of a garment that is not in the place that it needs.
+    pub(super) fn refuse_place(&self, name: &str, needed: NeededPlace) -> Error {
+        let (message, help) = needed.fault(name);
+        self.refuse(message, help)
     }
 
     /// The error of an action that consists of others, `name` in scripts, and is not performed itself.
     pub(super) fn refuse_whole(&self, name: &str) -> Error {
         let message = format!("`{name}` is a list of actions, not one");
         self.refuse(message, "write it out with `WearScript::flatten`")
+    }
+}
+
+/// Place of the garment that an action needs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum NeededPlace {
+    /// On the ground, in any shape.
+    OnGround,
+    /// On the ground as it was laid.
+    Lying,
+    /// As it was laid and not rolled up.
+    Open,
+}
+
+impl NeededPlace {
+    /// What the action `name` needs, and how to get it.
+    pub fn fault(self, name: &str) -> (String, &'static str) {
+        let (place, help) = match self {
+            Self::OnGround => ("on the ground", "lay it first: {\"lay\": {}}"),
+            Self::Lying => ("that lies", "lay it first: {\"lay\": {}}"),
+            Self::Open => (
+                "that lies and is not rolled up",
+                "lay it first: {\"lay\": {}}, or open the roll: {\"unfold\": {\"last\": 1}}",
+            ),
+        };
+        (format!("`{name}` needs a garment {place}"), help)
     }
 }
 

@@ -162,3 +162,31 @@ impl BodyPenetrationStats {
         ))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Up to 20 pairs beyond those of the start are corners between points; more are a body that sticks out, whatever was in between.
+    #[test]
+    fn a_body_that_ends_through_the_cloth_is_no_success() {
+        let at = Vec3::new(0.1, 1.2, 0.0);
+        let ended = |at_start: usize, steps: &[usize]| {
+            let mut stats = BodyPenetrationStats::default();
+            stats.begin_with(at_start);
+            for (k, open) in steps.iter().enumerate() {
+                let found = BodyIntersections { open: *open, self_fold: 500, position: at };
+                stats.record(k as f64, &[], &[], found, 1000);
+            }
+            stats.reason_broken_through()
+        };
+        assert_eq!(ended(0, &[98, 20]), None, "it recovered");
+        assert_eq!(ended(78, &[98]), None, "most of it was so in the file");
+        let told = ended(77, &[0, 98]).expect("is a reason");
+        assert!(
+            told.contains("98 pairs of triangles around (0.100, 1.200, 0.000) m (77 at the start)"),
+            "{told}"
+        );
+        assert!(ended(0, &[21]).is_some() && ended(30, &[]).is_none());
+    }
+}

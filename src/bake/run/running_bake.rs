@@ -87,6 +87,9 @@ impl<'a> Run<'a> {
         let fingerprint = fingerprint(&mesh.garment, fabric, script, options, earlier);
         // The models are those of the mesh at the start, also after a refinement.
         let mut plan = ModelPlan::new(&mesh.garment, fabric, script, options);
+        if earlier.is_some() {
+            plan.apply_earlier(options);
+        }
         let mut splits = Vec::new();
         if let Some((file, checkpoint)) = &resume_from {
             splits.clone_from(&checkpoint.splits);
@@ -109,7 +112,7 @@ impl<'a> Run<'a> {
             memory: setup.start_memory(&mesh, source_angle),
             refinement,
             splits,
-            model: options.memory.then_some(model),
+            model: plan.remembers.then_some(model),
             step_options: options.effective_step(),
             opening: script.opening().filter(|_| !options.full_fidelity),
             is_opening: false,

@@ -61,6 +61,33 @@ impl Welder {
         }
     }
 
+    /// Joins open edges of `triangles` to the inner edges of another connected part that lie in the same place: a pocket that is sewn onto
+    /// the middle of a panel. Parts that only lie on one another have no edge in common.
+    pub fn join_borders_onto_panels(&mut self, triangles: &[[u32; 3]]) {
+        let mut parts = Groups::new(self.sites.len());
+        let mut edges: Vec<([u32; 2], [u32; 2])> = Vec::with_capacity(3 * triangles.len());
+        for &corners in triangles {
+            let [a, b, c] = corners.map(|v| self.groups.find(v));
+            parts.join(a, b);
+            parts.join(a, c);
+            for (from, to) in [(a, b), (b, c), (c, a)] {
+                // The end with the lower site comes first.
+                let ends = if self.site(from) <= self.site(to) { [from, to] } else { [to, from] };
+                edges.push((ends.map(|v| self.site(v)), ends));
+            }
+        }
+        edges.sort_unstable();
+        for in_place in edges.chunk_by(|a, b| a.0 == b.0) {
+            let runs: Vec<&[([u32; 2], [u32; 2])]> = in_place.chunk_by(|a, b| a.1 == b.1).collect();
+            let Some(panel) = runs.iter().find(|run| run.len() > 1).map(|run| run[0].1) else { continue };
+            for ends in runs.iter().filter(|run| run.len() == 1).map(|run| run[0].1) {
+                if parts.find(ends[0]) != parts.find(panel[0]) {
+                    ends.iter().zip(panel).for_each(|(&own, of)| self.groups.join(own, of));
+                }
+            }
+        }
+    }
+
     /// Joins the ends of edges of `triangles` that have no length.
     pub fn join_short_edges(&mut self, triangles: &[[u32; 3]]) {
         for &[a, b, c] in triangles {

@@ -108,6 +108,10 @@ fn check_version(root: &Cursor, errors: &mut ErrorList) {
 fn check_extensions(root: &Cursor, errors: &mut ErrorList) {
     for required in root.entries("extensionsRequired") {
         let Some(name) = required.as_text() else { continue };
+        // Parts that are not compressed can be read; those that are, are told one by one.
+        if name == DRACO_EXTENSION && has_plain_primitive(root) {
+            continue;
+        }
         if !HARMLESS_EXTENSIONS.iter().any(|harmless| name.starts_with(harmless)) {
             errors.push(
                 required.path(),
@@ -116,6 +120,13 @@ fn check_extensions(root: &Cursor, errors: &mut ErrorList) {
             );
         }
     }
+}
+
+/// Whether any primitive is not compressed with Draco.
+fn has_plain_primitive(root: &Cursor) -> bool {
+    let meshes = root.entries("meshes");
+    let mut primitives = meshes.iter().flat_map(|mesh| mesh.entries("primitives"));
+    primitives.any(|primitive| !primitive.member("extensions").member(DRACO_EXTENSION).exists())
 }
 
 /// Reports lists that are no lists: read as empty, they would only show as missing triangles.

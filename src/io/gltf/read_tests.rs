@@ -283,3 +283,30 @@ fn a_mask_is_read_and_a_missing_one_refused() {
     let message = read_with(&document, &binary, &options).unwrap_err().to_string();
     assert!(message.contains("COLOR_0") && message.contains("POSITION, _PIN"), "{message}");
 }
+
+/// A file whose hair is compressed and whose shirt is not: the shirt, by its name, is read; the hair alone is refused.
+#[test]
+fn one_compressed_part_does_not_refuse_the_others() {
+    let (mut document, binary) = triangle();
+    document["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+    let accessor = document["accessors"][0].clone();
+    let compressed = document["accessors"].as_array().map_or(0, Vec::len);
+    document["accessors"].as_array_mut().unwrap().push(accessor);
+    document["accessors"][compressed].as_object_mut().unwrap().remove("bufferView");
+    document["meshes"].as_array_mut().unwrap().push(json!({"primitives": [{
+        "attributes": {"POSITION": compressed},
+        "extensions": {"KHR_draco_mesh_compression": {"bufferView": 0, "attributes": {"POSITION": 0}}},
+    }]}));
+    document["nodes"][0]["name"] = json!("shirt");
+    document["nodes"].as_array_mut().unwrap().push(json!({"mesh": 1, "name": "hair"}));
+    document["scenes"] = json!([{"nodes": [0, 1]}]);
+    let read = |part: &str| {
+        let options = ReadOptions { garment: Some(part.into()), ..ReadOptions::default() };
+        read_with(&document, &binary, &options)
+    };
+    assert_eq!(read("shirt").unwrap().0.worn_pieces().count(), 1);
+    let refusal = read("hair").unwrap_err().to_string();
+    assert!(refusal.contains("meshes[1].primitives[0]") && refusal.contains("draco"), "{refusal}");
+    document["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": {}});
+    assert!(message(&document, &binary).contains("the file requires KHR_draco_mesh_compression"));
+}

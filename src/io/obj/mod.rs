@@ -1,7 +1,8 @@
 //! Reads Wavefront OBJ with a tolerant line parser. The `obj-rs` crate panics on some keywords, rejects colours, blanks in
 //! names and mixed corners, and reads single precision, so it serves only as the oracle in tests.
 //!
-//! A piece has the faces of one object, group and material; a vertex is a `v/vt/vn` triplet, in order of first use.
+//! A piece has the faces of one object, group and material; a vertex is a `v/vt/vn` triplet. The first vertices are those of the `v`
+//! lines in their order, one each; the other triplets of these lines follow, in the same order.
 //! Material libraries are not read: only the names of materials are kept.
 
 mod lines;
@@ -57,6 +58,7 @@ pub(super) fn read_obj(
             builder.add_face(&statements.positions, corners, &mut triangulator);
         }
     }
+    builders.iter_mut().for_each(CornerVertices::number_by_position);
     if triangulator.fan_count > 0 {
         diagnostics.push(ImportDiagnostic {
             severity: Severity::Note,
@@ -192,16 +194,16 @@ mod tests {
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
     #[test]
-    fn a_vertex_is_a_triplet_in_order_of_first_use() {
+    fn vertices_are_those_of_the_v_lines_first_and_then_those_of_seams() {
         let text =
             format!("{SQUARE}vt 0.25 0.75\nvt 1 0\nvn 0 0 2\nf 3/2/1 1/1/1 2/1/1\nf 3/2/1 4/1/1 1/2/1\n");
         let (asset, diagnostics) = read(&text);
         let piece = &asset.pieces[0];
-        assert_eq!(piece.triangles, [[0, 1, 2], [0, 3, 4]]);
-        assert_eq!(piece.positions[0], Vec3::new(1.0, 1.0, 0.0));
-        assert_eq!(piece.positions[4], piece.positions[1], "two texture coordinates, two vertices");
+        assert_eq!(piece.triangles, [[2, 0, 1], [2, 3, 4]]);
+        assert_eq!(piece.positions[2], Vec3::new(1.0, 1.0, 0.0));
+        assert_eq!(piece.positions[4], piece.positions[0], "two texture coordinates, two vertices");
         // Convention: OBJ counts v upward, glTF (and we) downward.
-        assert_eq!(piece.uvs.as_ref().unwrap()[1], Vec2::new(0.25, 0.25));
+        assert_eq!(piece.uvs.as_ref().unwrap()[0], Vec2::new(0.25, 0.25));
         assert_eq!(piece.normals.as_ref().unwrap()[0], Vec3::z(), "of unit length");
         assert!(diagnostics.is_empty(), "{diagnostics:?}");
     }

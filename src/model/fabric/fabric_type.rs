@@ -89,6 +89,16 @@ pub struct Fabric {
     pub provenance: Provenance,
 }
 
+/// Quantity of an element that an event of the memory law must not raise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum EventGuard {
+    /// The stored energy, `s C²`: memory does no work on the cloth.
+    #[default]
+    Energy,
+    /// The torque, `s C`, and with it the energy: memory does not make the cloth spring back harder.
+    Torque,
+}
+
 /// Parameters of the memory law. Defaults are those of KOW's T-shirt.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -142,6 +152,9 @@ pub struct FabricMemory {
     /// Fraction of a remembered angle that recovers per decade of time after release, counted from 1 s [percent].
     #[schemars(range(min = 0, max = 100))]
     pub reopening_percent_per_decade: f64,
+    /// What an event must not raise: a choice of the law for comparisons, which no file states.
+    #[serde(skip)]
+    pub guard: EventGuard,
 }
 
 impl Default for FabricMemory {
@@ -163,6 +176,7 @@ impl Default for FabricMemory {
             reference_length_mm: 10.0,
             stiffness_ceiling: 30.0,
             reopening_percent_per_decade: 0.0,
+            guard: EventGuard::default(),
         }
     }
 }

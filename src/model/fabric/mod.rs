@@ -5,5 +5,5 @@ mod fabric_type;
 mod preset_list;
 mod read;
 
-pub use fabric_type::{Fabric, FabricFormat, FabricMemory, Provenance};
+pub use fabric_type::{EventGuard, Fabric, FabricFormat, FabricMemory, Provenance};
 pub use preset_list::{DEFAULT_FABRIC, PAPER_FABRIC};

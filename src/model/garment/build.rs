@@ -37,14 +37,19 @@ impl Garment {
         let sewn = weld.filter(|&weld| weld > rounding);
         let weld = weld.unwrap_or(rounding);
         let mut welder = Welder::new(&sheet.positions, weld.min(rounding));
-        let kept = remove_duplicates(&sheet.triangles, &sheet.uvs, &mut welder, &mut diagnostics);
+        let kept =
+            remove_duplicates(&sheet.triangles, (&sheet.uvs, &sheet.pieces), &mut welder, &mut diagnostics);
         welder.join_open_edges(&kept);
         welder.join_seams(&kept, &sheet.position_ids);
+        welder.join_borders_onto_panels(&kept);
         welder.join_short_edges(&kept);
         if let Some(distance) = sewn {
             welder.join_borders(&sheet.positions, &kept, distance);
         }
-        let (vertex_point, welded_count) = welder.points();
+        let (mut vertex_point, welded_count) = welder.points();
+        if asset.obj.is_some() {
+            number_by_position(&mut vertex_point, welded_count, &sheet.position_ids);
+        }
         let mut wedges = drop_collapsed(&kept, &vertex_point, &mut diagnostics);
         let positions = first_positions(&vertex_point, welded_count, &sheet.positions);
         fix_caps(&positions, &mut wedges, &mut diagnostics);
@@ -179,6 +184,20 @@ fn drop_collapsed(
         .collect();
     diagnostics.repaired(kept.len() - wedges.len(), "triangles with coinciding corners dropped");
     wedges
+}
+
+/// Numbers the points in the order of the positions of their file, the first of each point counting: that of the `v` lines of an OBJ
+/// file, whatever pieces they are in.
+fn number_by_position(vertex_point: &mut [PointIndex], point_count: usize, position_ids: &[Option<u32>]) {
+    let mut first = vec![u32::MAX; point_count];
+    for (point, id) in vertex_point.iter().zip(position_ids) {
+        first[point.at()] = first[point.at()].min(id.unwrap_or(u32::MAX));
+    }
+    let mut order: Vec<u32> = (0..point_count as u32).collect();
+    order.sort_by_key(|p| first[*p as usize]);
+    let mut number = vec![PointIndex(0); point_count];
+    (0..).zip(order).for_each(|(new, old)| number[old as usize] = PointIndex(new));
+    vertex_point.iter_mut().for_each(|p| *p = number[p.at()]);
 }
 
 /// Drops points that no triangle uses: they would have no mass. A vertex left without a point, which nothing draws,

@@ -10,20 +10,27 @@ use crease_geometry::mesh::{Groups, PointIndex, Topology, Welder, edge_key, tria
 use rustc_hash::{FxHashMap, FxHashSet};
 
 /// Removes triangles that coincide with an earlier one, and joins their vertices to that one's: exact repeats, and the
-/// inner side of meshes modelled with two sides. Triangles with other texture coordinates are another layer and stay, and
-/// so do those of a sheet that coincides in part only, as the back of a flat garment under a front with other diagonals.
+/// inner side of meshes modelled with two sides. Triangles with other texture coordinates are another layer and stay, and so do those of a
+/// sheet that coincides in part only, as the back of a flat garment under a front with other diagonals; but a sheet of turned triangles of
+/// the same piece is the other side of double-sided cloth. Vertices have texture coordinates and a piece.
 pub(super) fn remove_duplicates(
     triangles: &[[u32; 3]],
-    uvs: &[Option<Vec2>],
+    (uvs, pieces): (&[Option<Vec2>], &[u32]),
     welder: &mut Welder,
     diagnostics: &mut ImportDiagnostics,
 ) -> Vec<[u32; 3]> {
-    let originals = originals(triangles, uvs, welder);
     let mut sheets = Groups::new(uvs.len());
     for [a, b, c] in triangles {
         sheets.join(*a, *b);
         sheets.join(*a, *c);
     }
+    let is_other_side = |own: u32, of: u32| pieces[own as usize] == pieces[of as usize];
+    let originals = originals(triangles, uvs, welder, is_other_side);
+    let is_apart = |sheets: &mut Groups, copied: &Copied| {
+        copied.same_texture || sheets.find(copied.own[0]) != sheets.find(copied.of[0])
+    };
+    let originals: Vec<Option<Copied>> =
+        originals.into_iter().map(|copied| copied.filter(|copied| is_apart(&mut sheets, copied))).collect();
     // Per sheet: triangles, and copies among them.
     let mut counts: FxHashMap<u32, [usize; 2]> = FxHashMap::default();
     for (t, original) in triangles.iter().zip(&originals) {
@@ -32,17 +39,24 @@ pub(super) fn remove_duplicates(
         count[1] += usize::from(original.is_some());
     }
     let mut kept = Vec::with_capacity(triangles.len());
+    let mut turned_count = 0;
     for (&triangle, original) in triangles.iter().zip(originals) {
         let [all, copies] = counts.get(&sheets.find(triangle[0])).copied().unwrap_or_default();
         let whole_sheet = copies as f64 >= TUNING.min_copied_fraction * all as f64;
         match original {
-            Some(Copied { own, of }) if whole_sheet || own == of => {
+            Some(Copied { own, of, same_texture }) if whole_sheet || own == of => {
+                turned_count += usize::from(!same_texture);
                 of.iter().zip(&own).for_each(|(&a, &b)| welder.join(a, b));
             }
             _ => kept.push(triangle),
         }
     }
-    let dropped = triangles.len() - kept.len();
+    diagnostics.repaired(
+        turned_count,
+        "triangles of the other side of double-sided cloth follow the first side: one cloth is worn (two layers need places of \
+         their own, 1 mm apart, or pieces of their own)",
+    );
+    let dropped = triangles.len() - kept.len() - turned_count;
     diagnostics.repaired(
         dropped,
         "copies of triangles dropped (the same place and texture; a second layer needs its own place, 1 mm apart, or its own \
@@ -55,11 +69,24 @@ pub(super) fn remove_duplicates(
 struct Copied {
     own: [u32; 3],
     of: [u32; 3],
+    /// Whether the texture coordinates are the same, too.
+    same_texture: bool,
 }
 
-/// Returns for every triangle the earlier one with the same places and texture coordinates.
-fn originals(triangles: &[[u32; 3]], uvs: &[Option<Vec2>], welder: &Welder) -> Vec<Option<Copied>> {
-    let mut first_on: FxHashMap<[u32; 3], [u32; 3]> = FxHashMap::default();
+/// Returns for every triangle the earlier one with the same places, and with the same texture coordinates or turned to the other side
+/// of the same piece of cloth, as `is_other_side` says of a vertex of both.
+fn originals(
+    triangles: &[[u32; 3]],
+    uvs: &[Option<Vec2>],
+    welder: &Welder,
+    is_other_side: impl Fn(u32, u32) -> bool,
+) -> Vec<Option<Copied>> {
+    // Whether the corners run round as their sites do in order.
+    let runs_up = |triangle: &[u32; 3]| {
+        let [a, b, c] = triangle.map(|v| welder.site(v));
+        (a < b) as u8 + (b < c) as u8 + (c < a) as u8 == 2
+    };
+    let mut first_on: FxHashMap<[u32; 3], ([u32; 3], bool)> = FxHashMap::default();
     let find = |triangle: &[u32; 3]| {
         let mut own = *triangle;
         own.sort_unstable_by_key(|&v| (welder.site(v), v));
@@ -73,9 +100,13 @@ fn originals(triangles: &[[u32; 3]], uvs: &[Option<Vec2>], welder: &Welder) -> V
             _ => false,
         };
         match first_on.get(&sites) {
-            Some(of) => of.iter().zip(&own).all(same_uv).then_some(Copied { own, of: *of }),
+            Some((of, up)) => {
+                let same_texture = of.iter().zip(&own).all(same_uv);
+                let is_turned = *up != runs_up(triangle) && is_other_side(own[0], of[0]);
+                (same_texture || is_turned).then_some(Copied { own, of: *of, same_texture })
+            }
             None => {
-                first_on.insert(sites, own);
+                first_on.insert(sites, (own, runs_up(triangle)));
                 None
             }
         }

@@ -3,16 +3,69 @@
 
 use serde::Deserialize;
 use serde::de::IgnoredAny;
+use std::fmt;
+
+/// What a file is, by its content.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FileKind {
+    /// A mesh in OBJ.
+    ObjMesh,
+    /// A mesh in glTF, text or binary.
+    GltfMesh,
+    /// A stage of USD, text or binary.
+    UsdMesh,
+    /// A wear script.
+    WearScript,
+    /// A sidecar.
+    Sidecar,
+    /// A fabric.
+    Fabric,
+    /// A job file of a batch.
+    BatchFile,
+    /// A record of a job of a batch.
+    JobRecord,
+    /// A list of landmarks.
+    Landmarks,
+    /// A checkpoint.
+    Checkpoint,
+    /// A report of a run.
+    Report,
+}
+
+impl FileKind {
+    /// Whether it is a mesh of any format.
+    pub fn is_mesh(self) -> bool {
+        matches!(self, Self::ObjMesh | Self::GltfMesh | Self::UsdMesh)
+    }
+}
+
+impl fmt::Display for FileKind {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::ObjMesh => "an OBJ mesh",
+            Self::GltfMesh => "a glTF mesh",
+            Self::UsdMesh => "a USD mesh",
+            Self::WearScript => "a wear script",
+            Self::Sidecar => "the sidecar of a worn garment",
+            Self::Fabric => "a fabric",
+            Self::BatchFile => "a job file of a batch",
+            Self::JobRecord => "the record of a job of a batch",
+            Self::Landmarks => "a list of landmarks",
+            Self::Checkpoint => "a checkpoint",
+            Self::Report => "the report of a run",
+        })
+    }
+}
 
 /// Kinds of JSON files by the start of their `format`.
-const FORMATS: [(&str, &str); 7] = [
-    ("crease-wear/", "a wear script"),
-    ("crease-sidecar/", "the sidecar of a worn garment"),
-    ("crease-fabric/", "a fabric"),
-    ("crease-batch/", "a job file of a batch"),
-    ("crease-job/", "the record of a job of a batch"),
-    ("crease-landmarks/", "a list of landmarks"),
-    ("crease-checkpoint/", "a checkpoint"),
+const FORMATS: [(&str, FileKind); 7] = [
+    ("crease-wear/", FileKind::WearScript),
+    ("crease-sidecar/", FileKind::Sidecar),
+    ("crease-fabric/", FileKind::Fabric),
+    ("crease-batch/", FileKind::BatchFile),
+    ("crease-job/", FileKind::JobRecord),
+    ("crease-landmarks/", FileKind::Landmarks),
+    ("crease-checkpoint/", FileKind::Checkpoint),
 ];
 
 /// What JSON of any of these kinds states.
@@ -24,25 +77,25 @@ struct Stated {
     crossings: Option<IgnoredAny>,
 }
 
-/// Returns the kind of mesh that `bytes` are, such as "an OBJ mesh"; `None` if they are no mesh.
-pub fn kind_of_mesh(bytes: &[u8]) -> Option<&'static str> {
+/// Returns the kind of mesh that `bytes` are; `None` if they are no mesh.
+pub fn kind_of_mesh(bytes: &[u8]) -> Option<FileKind> {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let is_vertex =
         |line: &[u8]| line.starts_with(b"v ") || line.starts_with(b"o ") || line.starts_with(b"mtllib ");
     let is_remark = |line: &&[u8]| line.first().is_none_or(|&first| first == b'#' || first == b'\r');
     match text {
-        _ if text.starts_with(b"glTF") => Some("a glTF mesh"),
-        _ if text.starts_with(b"#usda ") || text.starts_with(b"PXR-USDC") => Some("a USD mesh"),
+        _ if text.starts_with(b"glTF") => Some(FileKind::GltfMesh),
+        _ if text.starts_with(b"#usda ") || text.starts_with(b"PXR-USDC") => Some(FileKind::UsdMesh),
         _ => text
             .split(|&byte| byte == b'\n')
             .find(|line| !is_remark(line))
             .is_some_and(is_vertex)
-            .then_some("an OBJ mesh"),
+            .then_some(FileKind::ObjMesh),
     }
 }
 
-/// Returns what the file with `bytes` is, such as "a wear script", if it is a mesh or one of the formats of this crate.
-pub fn kind_of_file(bytes: &[u8]) -> Option<&'static str> {
+/// Returns what the file with `bytes` is, if it is a mesh or one of the formats of this crate.
+pub fn kind_of_file(bytes: &[u8]) -> Option<FileKind> {
     if let Some(kind) = kind_of_mesh(bytes) {
         return Some(kind);
     }
@@ -50,8 +103,8 @@ pub fn kind_of_file(bytes: &[u8]) -> Option<&'static str> {
     let stated: Stated = serde_json::from_slice(text).ok()?;
     match stated.format {
         Some(format) => FORMATS.iter().find(|(start, _)| format.starts_with(start)).map(|(_, kind)| *kind),
-        None if stated.asset.is_some() => Some("a glTF mesh"),
-        None => (stated.simulated_s.is_some() && stated.crossings.is_some()).then_some("the report of a run"),
+        None if stated.asset.is_some() => Some(FileKind::GltfMesh),
+        None => (stated.simulated_s.is_some() && stated.crossings.is_some()).then_some(FileKind::Report),
     }
 }
 
@@ -74,7 +127,12 @@ mod tests {
             (b"", None),
         ];
         for (bytes, kind) in kinds {
-            assert_eq!(kind_of_file(bytes), kind, "{}", String::from_utf8_lossy(bytes));
+            assert_eq!(
+                kind_of_file(bytes).map(|kind| kind.to_string()).as_deref(),
+                kind,
+                "{}",
+                String::from_utf8_lossy(bytes)
+            );
         }
     }
 }

@@ -18,7 +18,7 @@ mod spans;
 mod suggest;
 
 pub use document::Document;
-pub use file_kind::{kind_of_file, kind_of_mesh};
+pub use file_kind::{FileKind, kind_of_file, kind_of_mesh};
 pub use quoted::quoted;
 pub use spans::{Path, Segment};
 pub use suggest::nearest;

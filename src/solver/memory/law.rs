@@ -21,7 +21,7 @@
 //! "The anatomy of a crease"); off by default.
 
 use crate::memory::tuning::TUNING;
-use crease_model::fabric::FabricMemory;
+use crease_model::fabric::{EventGuard, FabricMemory};
 use serde::{Deserialize, Serialize};
 
 /// Parameters of a band: its threshold, its duration, and the change by one event.
@@ -63,6 +63,8 @@ pub struct MemoryLaw {
     pub max_rest_change: f64,
     /// Fraction of a remembered change that recovers per decade of time after release [-]; 0 for no recovery.
     pub recovery_per_decade: f64,
+    /// What an event must not raise.
+    pub guard: EventGuard,
 }
 
 /// Constant parameters of one element: a hinge, or one axis of a triangle.
@@ -150,6 +152,7 @@ impl MemoryLaw {
             max_stiffness_ratio: memory.stiffness_ceiling,
             max_rest_change: f64::INFINITY,
             recovery_per_decade: memory.reopening_percent_per_decade * 0.01,
+            guard: memory.guard,
         }
     }
 
@@ -176,6 +179,7 @@ impl MemoryLaw {
             max_stiffness_ratio: 1.0,
             max_rest_change: memory.rest_stretch_ceiling_percent * 0.01,
             recovery_per_decade: 0.0,
+            guard: memory.guard,
         })
     }
 
@@ -344,11 +348,15 @@ impl MemoryLaw {
         state.rest += moved / gain;
         let after = condition - moved;
         let grown = state.stiffness_ratio * (1.0 + band.stiffness_rate * band.threshold * mask);
-        // The stored energy does not grow: s' C'² <= s C².
+        // The stored energy does not grow: s' C'² <= s C²; or the torque does not: s' |C'| <= s |C|.
+        let exponent = match self.guard {
+            EventGuard::Energy => 2,
+            EventGuard::Torque => 1,
+        };
         let allowed = if after == 0.0 {
             f64::INFINITY
         } else {
-            state.stiffness_ratio.max(state.stiffness_ratio * (condition / after).powi(2))
+            state.stiffness_ratio.max(state.stiffness_ratio * (condition / after).abs().powi(exponent))
         };
         state.stiffness_ratio = grown.min(allowed).min(self.max_stiffness_ratio.max(state.stiffness_ratio));
     }
@@ -376,6 +384,7 @@ mod tests {
             max_stiffness_ratio: 30.0,
             max_rest_change: f64::INFINITY,
             recovery_per_decade: 0.0,
+            guard: EventGuard::Energy,
         }
     }
 
@@ -410,6 +419,23 @@ mod tests {
             let mean = errors.iter().sum::<f64>() / 8.0;
             let worst = errors.iter().fold(0.0, |a: f64, &b| a.max(b));
             assert!(mean <= 0.052 && worst <= 0.095, "step {step}: mean {mean}, worst {worst}, {errors:?}");
+        }
+    }
+
+    /// An event may raise the torque of a hinge while its energy falls; the other guard bounds the torque.
+    #[test]
+    fn the_guard_bounds_the_energy_or_the_torque() {
+        for (guard, raises_torque) in [(EventGuard::Energy, true), (EventGuard::Torque, false)] {
+            let law = MemoryLaw { guard, ..paper(4.3, 1.0) };
+            let mut state = HysteresisState::new(0.0);
+            let events = law.advance(&mut state, 2.5, 2.5, 1.0, &ElementParams::FLAT);
+            let [torque, energy] = [1, 2]
+                .map(|power| state.stiffness_ratio * (2.5 - state.rest).powi(power) / 2.5f64.powi(power));
+            assert_eq!(events.critical, 1);
+            assert!(
+                energy <= 1.0 + 1e-12 && (torque > 1.0 + 1e-12) == raises_torque,
+                "{guard:?}: {torque}, {energy}"
+            );
         }
     }
 

@@ -1,6 +1,6 @@
 //! `fold`: one side of a line is turned over, as hands fold cloth on a table.
 
-use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, NeededPlace};
 use crate::wear::fraction::Fraction2;
 use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::layout::fold_map::{FoldAxis, FoldCoords, line_shift};
@@ -148,7 +148,7 @@ impl WearAction for Fold {
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         let Some(frame) = persistent.open_frame() else {
-            return Err(context.refuse_not_open("fold"));
+            return Err(context.refuse_place("fold", NeededPlace::Open));
         };
         let (x, masses, thickness) = (context.positions, context.masses, context.thickness);
         let strip_width = TUNING.fold.strip_width;

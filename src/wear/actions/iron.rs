@@ -1,7 +1,7 @@
 //! `iron`: hot moist cloth is flattened under a soleplate. Where it lies open it loses its memory, where it is folded it keeps
 //! the fold.
 
-use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart, NeededPlace};
 use crate::wear::fraction::Fraction2;
 use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::motion::motion_profile::smoothstep;
@@ -94,7 +94,7 @@ impl WearAction for Iron {
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         let Some(frame) = persistent.ground_frame() else {
-            return Err(context.refuse("`iron` needs a garment that lies", "lay it first: {\"lay\": {}}"));
+            return Err(context.refuse_place("iron", NeededPlace::Lying));
         };
         let ironed: Vec<bool> = context.positions.iter().map(|p| self.covers(p, &frame)).collect();
         if !ironed.contains(&true) {

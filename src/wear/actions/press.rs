@@ -1,6 +1,6 @@
 //! `press`: weight or an iron, straight down.
 
-use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionRunner, ActionStart, NeededPlace};
 use crate::wear::layout::fold_layout::FoldLayout;
 use crate::wear::motion::motion_profile::smoothstep;
 use crate::wear::persistent_state::PersistentState;
@@ -38,9 +38,7 @@ impl WearAction for Press {
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         if persistent.ground.is_none() {
-            return Err(
-                context.refuse("`press` needs a garment on the ground", "lay it first: {\"lay\": {}}")
-            );
+            return Err(context.refuse_place("press", NeededPlace::OnGround));
         }
         ActionStart::here(PressRunner {
             pressure: self.pressure_pa,

@@ -1,6 +1,6 @@
 //! `roll`: the lying garment is rolled up from one side.
 
-use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart};
+use crate::wear::action_runner::{ActionContext, ActionFailure, ActionRunner, ActionStart, NeededPlace};
 use crate::wear::actions::FoldSide;
 use crate::wear::actions::fold::stack_height;
 use crate::wear::layout::roll_map::{RollCoords, RollMap, RollRecord};
@@ -75,7 +75,7 @@ impl WearAction for Roll {
 
     fn start_action(&self, context: &ActionContext, persistent: &mut PersistentState) -> Result<ActionStart> {
         let Some(frame) = persistent.open_frame() else {
-            return Err(context.refuse_not_open("roll"));
+            return Err(context.refuse_place("roll", NeededPlace::Open));
         };
         let (x, thickness) = (context.positions, context.thickness);
         let forward = self.forward(&frame);

@@ -5,11 +5,12 @@
 //! (`docs/guide/wear-scripts.md`). No garment, body or solver is known here: whether a joint exists is checked by the bake.
 
 pub(crate) mod action_list;
+mod action_order;
 mod preset_list;
 
 use crate::wear::script::action_list::{Action, Repeat};
 use crease_model::body::{AnimatedBody, BodyPose};
-use crease_model::error::{Diagnostic, Error, Result};
+use crease_model::error::{Diagnostic, Error, Message, Result, Setting};
 use crease_model::json::{Document, Path, schema_of};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -121,7 +122,8 @@ impl WearScript {
             let own = !matches!(action, Action::Repeat(_)) && action.as_wear_action().needs_body();
             if own {
                 let message = format!("`{}` moves a body, and there is none", action.name());
-                errors.push(Diagnostic::new(file, path.to_string(), message, "leave the action out"));
+                let help = Message::from("give the body with ") + Setting::Body + ", or leave the action out";
+                errors.push(Diagnostic::new(file, path.to_string(), message, help));
             }
         });
         errors

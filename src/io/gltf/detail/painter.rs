@@ -5,7 +5,7 @@ use crate::gltf::detail::material::TextureTransform;
 use crate::gltf::detail::surface::ShownSurface;
 use crate::gltf::detail::texels::{DetailOf, TexelSample, Texels};
 use crease_geometry::math::{Mat3, Vec3};
-use crease_geometry::mesh::triangle_key;
+use crease_geometry::mesh::{PointIndex, triangle_key};
 use crease_model::remesh::{CreaseDistances, NearCrease};
 use rustc_hash::FxHashMap;
 use std::cell::Cell;
@@ -27,8 +27,9 @@ pub(super) struct Painter<'a> {
     /// Creases of the mask, if it is painted.
     creases: Option<&'a CreaseDistances<'a>>,
     of: DetailOf,
-    /// Per triangle of the garment: the vertices of its corners.
-    pub(super) corners: Vec<Option<SurfaceCorners>>,
+    /// Per triangle of the garment: the vertices of its corners, those of the first side before those of the other sides of
+    /// double-sided cloth.
+    pub(super) corners: Vec<Vec<SurfaceCorners>>,
     /// Per triangle of the garment: a triangle of the worn surface from which its places are searched.
     starts: Vec<Option<u32>>,
     /// Per surface and vertex: unit normal before the wear, smooth where the vertex is flat-shaded and has a smooth one after it.
@@ -42,23 +43,28 @@ impl<'a> Painter<'a> {
         creases: Option<&'a CreaseDistances<'a>>,
         of: DetailOf,
     ) -> Self {
-        let mut found = FxHashMap::default();
+        let mut found: FxHashMap<[PointIndex; 3], Vec<(usize, [usize; 3])>> = FxHashMap::default();
         for (s, surface) in surfaces.iter().enumerate() {
             for t in &surface.piece.triangles {
                 let vertices = t.map(|v| v as usize);
                 if vertices.iter().all(|&v| v < surface.points.len()) {
-                    found.entry(triangle_key(vertices.map(|v| surface.points[v]))).or_insert((s, vertices));
+                    found
+                        .entry(triangle_key(vertices.map(|v| surface.points[v])))
+                        .or_default()
+                        .push((s, vertices));
                 }
             }
         }
         let corners = detail.coarse.triangles.iter().map(|t| {
-            let &(s, vertices) = found.get(&triangle_key(*t))?;
-            let points = surfaces[s].points;
-            let mut corners = [0; 3];
-            for (corner, p) in corners.iter_mut().zip(t) {
-                *corner = *vertices.iter().find(|&&v| points[v] == *p)?;
-            }
-            Some(SurfaceCorners { surface: s, vertices: corners })
+            let in_order = |&(s, vertices): &(usize, [usize; 3])| {
+                let points = surfaces[s].points;
+                let mut corners = [0; 3];
+                for (corner, p) in corners.iter_mut().zip(t) {
+                    *corner = *vertices.iter().find(|&&v| points[v] == *p)?;
+                }
+                Some(SurfaceCorners { surface: s, vertices: corners })
+            };
+            found.get(&triangle_key(*t)).into_iter().flatten().filter_map(in_order).collect()
         });
         let unworn = surfaces
             .iter()
@@ -77,12 +83,9 @@ impl<'a> Painter<'a> {
     /// Paints one map of the surfaces with the indices `painted`, whose texture coordinates `transform` takes to the map.
     pub(super) fn paint(&self, painted: &[usize], transform: TextureTransform, side: usize) -> Texels {
         let mut texels = Texels::new(side);
-        for (k, corners) in self.corners.iter().enumerate() {
-            match corners {
-                Some(corners) if painted.contains(&corners.surface) => {
-                    self.paint_triangle(k, corners, transform, &mut texels);
-                }
-                _ => {}
+        for (k, sides) in self.corners.iter().enumerate() {
+            for corners in sides.iter().filter(|corners| painted.contains(&corners.surface)) {
+                self.paint_triangle(k, corners, transform, &mut texels);
             }
         }
         texels

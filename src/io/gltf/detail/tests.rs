@@ -150,7 +150,7 @@ fn shown_and_true(scene: &RippledSheet, detailed: &DetailOutput) -> Vec<(Vec3, V
     }
     let mut all = Vec::new();
     for (t, &k) in scene.fine.triangles.iter().zip(&scene.parent) {
-        let SurfaceCorners { surface, vertices } = painter.corners[k as usize].unwrap();
+        let SurfaceCorners { surface, vertices } = painter.corners[k as usize][0];
         let corners = scene.coarse.triangles[k as usize].map(|p| scene.coarse.points[p.at()]);
         let centre = t.iter().map(|p| scene.fine.points[p.at()]).sum::<Vec3>() / 3.0;
         let weights = barycentric(&centre, &corners);

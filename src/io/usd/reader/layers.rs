@@ -10,6 +10,21 @@ use crate::usd::signature::{BINARY_MAGIC, TEXT_MAGIC, is_package};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::sync::Arc;
 
+/// Reason why a layer cannot be had.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct LayerFault {
+    /// What is wrong with it.
+    pub reason: String,
+    /// Whether it could be had if its folder were allowed.
+    pub can_be_allowed: bool,
+}
+
+impl From<String> for LayerFault {
+    fn from(reason: String) -> Self {
+        Self { reason, can_be_allowed: false }
+    }
+}
+
 /// Layers in memory, and those that were asked for in vain.
 #[derive(Debug, Default)]
 pub(super) struct UsdLayers {
@@ -19,7 +34,7 @@ pub(super) struct UsdLayers {
     /// Layers that were asked for and are not there.
     missing: Vec<String>,
     /// Reasons why layers cannot be had.
-    failures: FxHashMap<String, String>,
+    failures: FxHashMap<String, LayerFault>,
 }
 
 impl UsdLayers {
@@ -56,17 +71,17 @@ impl UsdLayers {
     }
 
     /// Notes why the layer `identifier` cannot be had.
-    pub(super) fn fail(&mut self, identifier: String, reason: String) {
-        self.failures.insert(identifier, reason);
+    pub(super) fn fail(&mut self, identifier: String, fault: LayerFault) {
+        self.failures.insert(identifier, fault);
     }
 
     /// Returns why a layer, or the package it is in, cannot be had, by the end of its address.
-    pub(super) fn failure(&self, address: &str) -> Option<&str> {
+    pub(super) fn failure(&self, address: &str) -> Option<&LayerFault> {
         let name = joined("", address);
         let is_in = |known: &str| name.strip_prefix(known).is_some_and(|file| file.starts_with('/'));
         let is_it = |known: &&String| **known == name || known.ends_with(&format!("/{name}")) || is_in(known);
         let key = self.failures.keys().find(is_it)?;
-        self.failures.get(key).map(String::as_str)
+        self.failures.get(key)
     }
 
     /// Takes the layers that were asked for and are not there, each once, without those that are known not to be had.

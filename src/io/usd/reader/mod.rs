@@ -19,7 +19,7 @@ mod walk;
 
 use crate::pieces::{FileFrame, MASK_SETTINGS, ReadPieces};
 use crate::tuning::TUNING;
-use crate::usd::reader::layers::UsdLayers;
+use crate::usd::reader::layers::{LayerFault, UsdLayers};
 use crate::usd::reader::mesh::MaskName;
 use crate::usd::reader::stage::{Fault, Stage, UsdValue, guarded};
 use crate::usd::reader::walk::{Found, Walk, survey};
@@ -105,11 +105,11 @@ fn open_with_layers(
         }
         for name in missing {
             if !fetched_names.insert(name.clone()) {
-                layers.borrow_mut().fail(name, "it was read and is not found again".to_owned());
+                layers.borrow_mut().fail(name, "it was read and is not found again".to_owned().into());
                 continue;
             }
             let fetched = resolve(&name).map_err(reason);
-            let added = fetched.and_then(|bytes| layers.borrow_mut().add(&name, &bytes));
+            let added = fetched.and_then(|bytes| Ok(layers.borrow_mut().add(&name, &bytes)?));
             if let Err(fault) = added {
                 layers.borrow_mut().fail(name, fault);
             }
@@ -118,10 +118,14 @@ fn open_with_layers(
 }
 
 /// Returns why a file cannot be had, without its name.
-fn reason(error: Error) -> String {
+fn reason(error: Error) -> LayerFault {
     match error {
-        Error::Input(mut all) if !all.is_empty() => all.swap_remove(0).message.to_string(),
-        other => other.to_string(),
+        Error::Input(mut all) if !all.is_empty() => {
+            let first = all.swap_remove(0);
+            let can_be_allowed = first.help.names_setting(Setting::AllowFolder);
+            LayerFault { reason: first.message.to_string(), can_be_allowed }
+        }
+        other => other.to_string().into(),
     }
 }
 
@@ -201,12 +205,11 @@ fn check_masks(file: &str, masks: [Option<&str>; 2], found: &Found) -> Result<()
 fn unresolved(faults: Vec<(String, Option<String>)>, layers: &UsdLayers) -> Vec<ImportDiagnostic> {
     let count = faults.len();
     let warning = |(message, address): (String, Option<String>)| {
-        let reason =
-            address.and_then(|address| layers.failure(&address).map(|reason| format!(" ({reason})")));
-        let reason = reason.unwrap_or_default();
+        let fault = address.and_then(|address| layers.failure(&address));
+        let reason = fault.map_or(String::new(), |fault| format!(" ({})", fault.reason));
         let cures = "flatten the stage (usdcat --flatten), or put the file where it is looked for";
         let text = Message::from(format!("left out: {message}{reason}; {cures}"));
-        let message = match reason.contains("lies outside the folder") {
+        let message = match fault.is_some_and(|fault| fault.can_be_allowed) {
             true => text + ", or allow its folder with " + Setting::AllowFolder.to("DIR"),
             false => text,
         };
