@@ -229,17 +229,17 @@ impl StraightLine {
         Some(Self { rms: (squares / total).sqrt(), ..line })
     }
 
-    /// Means of the samples over short ways along the line.
+    /// Means of the samples over short stretches along the line.
     fn knots(&self, samples: &[Sample], weights: &[f64]) -> Vec<[f64; 2]> {
-        // Per way: the sums of the weights, and of the places along both lines times them.
-        let mut ways: BTreeMap<i64, [f64; 3]> = BTreeMap::new();
+        // Per stretch: the sums of the weights, and of the places along both lines times them.
+        let mut stretches: BTreeMap<i64, [f64; 3]> = BTreeMap::new();
         for (sample, w) in samples.iter().zip(weights) {
             let t = self.direction.dot(&(sample.place - self.centre));
-            let sums = ways.entry((t / TUNING.straight_knot_spacing).floor() as i64).or_default();
+            let sums = stretches.entry((t / TUNING.straight_knot_spacing).floor() as i64).or_default();
             [1.0, t, sample.along].iter().zip(sums).for_each(|(value, sum)| *sum += w * value);
         }
         let mut knots: Vec<[f64; 2]> = Vec::new();
-        for [weight, t, along] in ways.into_values().filter(|[weight, ..]| *weight > 0.0) {
+        for [weight, t, along] in stretches.into_values().filter(|[weight, ..]| *weight > 0.0) {
             let knot = [t / weight, along / weight];
             if knots.last().is_none_or(|last| knot[1] > last[1]) {
                 knots.push(knot);

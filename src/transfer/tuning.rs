@@ -116,7 +116,7 @@ pub(super) struct TransferTuning {
     pub straight_scale: f64,
     /// Root mean square of that distance above which a crease is not drawn straight [m], default 0.03.
     pub max_straight_rms: f64,
-    /// Ways along a straight line over which the place on the source's is averaged [m], default 0.04.
+    /// Stretches of a straight line over which the place on the source's is averaged [m], default 0.04.
     pub straight_knot_spacing: f64,
     /// Rounds in which a straight line is fitted, and in which the cloth along it is unrolled again, default 5.
     pub straight_rounds: usize,

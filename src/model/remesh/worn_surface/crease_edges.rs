@@ -222,7 +222,7 @@ impl<'a> ParallelEdges<'a> {
             let next = self.at_point[at as usize].iter().filter(|h| !used.contains(h)).map(|h| {
                 let [a, b, ..] = self.mesh.topology.hinges[*h as usize].points;
                 let to = if a.0 == at { b.0 } else { a.0 };
-                let cosine = (x(to) - x(at)).try_normalize(0.0).map_or(-1.0, |way| way.dot(&ahead));
+                let cosine = (x(to) - x(at)).try_normalize(0.0).map_or(-1.0, |onward| onward.dot(&ahead));
                 (cosine, *h, to)
             });
             let Some((cosine, h, to)) = next.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) else {
