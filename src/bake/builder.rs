@@ -295,11 +295,18 @@ impl<'a> Bake<'a> {
         report.decisions.push(decision);
 
         let clock = Instant::now();
-        let (rest, shown) = result_memory(&mesh, rest, start.as_ref(), options);
-        report.decisions.extend(shown);
+        let ResultMemory { rest, shown, decision } = ResultMemory::new(&mesh, rest, start.as_ref(), options);
+        report.decisions.extend(decision);
         let relax_options = RelaxOptions::visible_on(garment, fabric, options.strength);
         let body = options.body.as_deref();
-        let relaxed = relax_to_source_pose(&mesh.garment, fabric, &mut stepper, &rest, &relax_options, body);
+        let relaxed = relax_to_source_pose(
+            &mesh.garment,
+            fabric,
+            &mut stepper,
+            shown.as_ref().unwrap_or(&rest),
+            &relax_options,
+            body,
+        );
         let moved = |points: &[Vec3], by: &[Vec3]| points.iter().zip(by).map(|(x, d)| x + d).collect();
         let shape: Vec<Vec3> = moved(&mesh.garment.points, &relaxed.displacement);
         let (displacement, held) = reading.displacement(&mesh, &relaxed.displacement);
@@ -332,41 +339,51 @@ impl<'a> Bake<'a> {
     }
 }
 
-/// The memory of the result: of the memory `rest`, that which was earned since `start`, as far as `mesh` can show it and at the strength asked
-/// for. With the decision that describes it, unless it is `rest` itself.
-fn result_memory(
-    mesh: &SimulationMesh,
+/// Memory of a result.
+struct ResultMemory {
+    /// As it was earned, at the strength that was asked for.
     rest: RestState,
-    start: Option<&RestState>,
-    options: &BakeOptions,
-) -> (RestState, Option<ModelDecision>) {
-    let resolves = !options.own_triangles && !options.full_fidelity;
-    if !resolves && options.strength == 1.0 {
-        return (rest, None);
+    /// As far as the mesh can show it, if that is less.
+    shown: Option<RestState>,
+    /// How the two differ from what was earned.
+    decision: Option<ModelDecision>,
+}
+
+impl ResultMemory {
+    /// That of the memory `rest`, which was `start` before the wear.
+    fn new(mesh: &SimulationMesh, rest: RestState, start: Option<&RestState>, options: &BakeOptions) -> Self {
+        let resolves = !options.own_triangles && !options.full_fidelity;
+        let is_scaled = options.strength != 1.0;
+        if !resolves && !is_scaled {
+            return Self { rest, shown: None, decision: None };
+        }
+        let earned = start.map_or_else(|| rest.clone(), |start| rest.change_since(start));
+        let on_start = |start: Option<RestState>, change: RestState| match start {
+            Some(start) => start.with_change(&change),
+            None => change,
+        };
+        let whole = on_start(start.cloned(), earned.strengthened(options.strength));
+        let shown = resolves.then(|| {
+            let change = resolved_memory(mesh, &earned).strengthened(options.strength);
+            on_start(start.map(|start| resolved_memory(mesh, start)), change)
+        });
+        let rms = |memory: &RestState| {
+            let squares = memory.angle_changes().map(|change| change * change).sum::<f64>();
+            (squares / memory.rest_angle.len().max(1) as f64).sqrt().to_degrees()
+        };
+        let mut why = format!("angles of {:.1} degrees root mean square", rms(&whole));
+        if is_scaled {
+            why += &format!(", {} times what was earned", options.strength);
+        }
+        if let Some(shown) = &shown {
+            why += &format!(
+                "; shown with {:.1}: curvature too sharp for the mesh is averaged over a ring of triangles away from fold lines",
+                rms(shown)
+            );
+        }
+        let decision = Some(ModelDecision { name: "memory in result", on: true, why: why.into() });
+        Self { rest: if is_scaled { whole } else { rest }, shown, decision }
     }
-    let earned = start.map_or_else(|| rest.clone(), |start| rest.change_since(start));
-    let shown = match resolves {
-        true => resolved_memory(mesh, &earned).strengthened(options.strength),
-        false => earned.strengthened(options.strength),
-    };
-    let rms = |memory: &RestState| {
-        let squares = memory.angle_changes().map(|change| change * change).sum::<f64>();
-        (squares / memory.rest_angle.len().max(1) as f64).sqrt()
-    };
-    let averaged = "curvature too sharp for the mesh averaged over a ring of triangles away from fold lines";
-    let scaled = format!("{} times what was earned", options.strength);
-    let what = match (resolves, options.strength == 1.0) {
-        (true, true) => averaged.to_owned(),
-        (true, false) => format!("{averaged}, {scaled}"),
-        (false, _) => scaled,
-    };
-    let [after, before] = [&shown, &earned].map(|memory| rms(memory).to_degrees());
-    let why = format!("{what}: angles of {after:.1} degrees root mean square, {before:.1} before");
-    let memory = match start {
-        Some(start) => start.with_change(&shown),
-        None => shown,
-    };
-    (memory, Some(ModelDecision { name: "memory in result", on: true, why: why.into() }))
 }
 
 /// Describes the memory that a garment begins with.

@@ -257,15 +257,17 @@ pub(super) struct RelaxTuning {
     pub max_iterations: usize,
     /// Tether of a rest mesh as a factor on that of a garment [-]: it only fixes the position in space.
     pub rest_mesh_tether: f64,
-    /// Decay length of a crease in the relaxed shape, at least [m], default 0.05: of the kink 0.66 are undone within 60 mm, on either side
-    /// of a fold of a shirt (0.03: 0.95, a groove between two bulges; 0.08: 0.44, but points move by 25 instead of 15 mm).
+    /// Decay length of a crease in the relaxed shape, at least [m], default 0.055: of the kink 0.6 are undone within 60 mm, on either side
+    /// of a fold of a shirt (0.03: 0.95, a groove between two bulges; 0.08: 0.44, but the shirt moves out of its pose).
     pub min_decay: f64,
     /// Decay length of a crease in the relaxed shape, in mean edges of the garment [-], default 1.5, and at
     /// least the bending length: what decays within a triangle cannot be read off at its corners.
     pub decay_edges: f64,
-    /// Distance by which the line of a crease may move out of the pose [m], default 0.009: a crease opens to 29 degrees where it decays over
-    /// 0.05 m, and where two of a folded shirt cross the cloth moves by up to 20 mm.
-    pub max_shift: f64,
+    /// Displacement up to which the tether is a linear spring [m], default 0.01: the distance by which a crease that opens to 29 degrees moves
+    /// its line.
+    pub free_shift: f64,
+    /// Growth of the tether beyond that [-], default 9: 2.5 times as stiff at 15 mm, 5.5 times at 20 mm.
+    pub tether_growth: f64,
     /// Width of the panels beside a crease [m], default 0.1, and at least a mean edge of the garment.
     pub panel_width: f64,
     /// Radius of a surface across which such panels can bend [m], default 0.2, a torso: the cloth gets the ratio of bending to stretch
@@ -426,9 +428,10 @@ impl BakeTuning {
             max_iterations: 60,
             rest_mesh_tether: 1e-4,
             rest_mesh_stretch: 0.02,
-            min_decay: 0.05,
+            min_decay: 0.055,
             decay_edges: 1.5,
-            max_shift: 0.009,
+            free_shift: 0.01,
+            tether_growth: 9.0,
             panel_width: 0.1,
             surface_radius: 0.2,
         },

@@ -156,7 +156,8 @@ impl<R: JobReport> JobOutputs<R> {
         }
         #[cfg(feature = "render")]
         if options.preview {
-            let view = GarmentView::of_sidecar(&name, sidecar).with_worn_surface(sidecar);
+            let (view, message) = GarmentView::of_sidecar(&name, sidecar).with_worn_surface(sidecar);
+            written.warnings.extend(message.map(|message| format!("picture: {message}")));
             let picture = view.draw_before_after(ColorBy::Shape, &Camera::default(), PREVIEW_SIZE)?;
             outputs.add(&paths.preview(), &encode_png(&picture)?)?;
         }

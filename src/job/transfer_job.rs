@@ -1,6 +1,6 @@
 //! [`TransferJob`]: a transfer of memory to another garment, from sidecars and a mesh to outputs.
 
-use crate::bake::RelaxResult;
+use crate::bake::{RelaxResult, SimulatedGarment};
 use crate::files::{GarmentFile, file_name, merge_errors, read_fabric, read_text};
 use crate::job::garment_source::{CoarseGarment, GarmentSource, ReadGarment};
 use crate::job::memory_source::{
@@ -92,11 +92,12 @@ impl TransferJob {
             sources: carried_sources(&input.sources, &carried),
             ..TransferReport::of_transfer(&carried, &surface)
         };
+        let on_mesh = worn_on_mesh(&carried, on_mesh);
         let surface = match record.output.shows_surface() {
-            true => input.worn_surface(&carried, on_mesh)?,
+            true => input.worn_surface(&carried, on_mesh.as_ref())?,
             false => None,
         };
-        let sidecar = input.sidecar(&worn, &carried, &report)?;
+        let sidecar = input.sidecar(&worn, &carried, on_mesh.as_ref(), &report)?;
         let TransferInput { target, fabric, .. } = input;
         let mut outputs =
             JobOutputs::new(target, fabric, Some((worn, sidecar)), report, record, observer.words());
@@ -157,20 +158,17 @@ impl TransferInput {
         }
     }
 
-    /// Returns what was worn on the mesh that the target was relaxed on, `displacement` being that of its points [m]; for memory that was
+    /// Returns what was worn on the mesh that the target was relaxed on; for memory that was
     /// transferred unchanged, on the mesh that its sidecar holds. `None` where the memory is on the target's own triangles only.
     fn worn_surface(
         &self,
         carried: &TransferResult,
-        displacement: Option<Vec<Vec3>>,
+        on_mesh: Option<&SimulatedGarment>,
     ) -> Result<Option<WornSurface>> {
         let width = self.fabric.crease_width();
-        if let Some((CarriedOnMesh { mesh, memory }, displacement)) =
-            carried.on_mesh.as_ref().zip(displacement)
-        {
-            let worn = WornGarment { displacement, memory: memory.clone() };
-            let mesh = GarmentSurface::without_texture(&mesh.garment);
-            return Ok(Some(WornSurface::new(&mesh, &worn, width)));
+        if let Some(SimulatedGarment { garment, worn }) = on_mesh {
+            let mesh = GarmentSurface::without_texture(garment);
+            return Ok(Some(WornSurface::new(&mesh, worn, width)));
         }
         let own = self.sidecars.first().filter(|_| carried.unchanged);
         let Some(own) = own.and_then(|sidecar| sidecar.simulated.as_deref()) else { return Ok(None) };
@@ -183,6 +181,7 @@ impl TransferInput {
         &self,
         worn: &WornGarment,
         carried: &TransferResult,
+        on_mesh: Option<&SimulatedGarment>,
         report: &TransferReport,
     ) -> Result<Sidecar> {
         let from = origins(&self.sidecars, &report.sources);
@@ -205,16 +204,27 @@ impl TransferInput {
         let mut sidecar = self.target.sidecar(worn, &self.fabric, Value::Null, run)?;
         sidecar.triangles.confidence = Some(carried.confidence.clone());
         let own = self.sidecars.first().filter(|_| carried.unchanged);
-        match (own, &carried.on_mesh) {
-            (Some(own), _) => Ok(Sidecar { creases: own.creases.clone(), ..sidecar }),
-            (None, Some(CarriedOnMesh { mesh, memory })) => {
-                let surface = GarmentSurface::without_texture(&mesh.garment);
+        match (own, on_mesh) {
+            (Some(own), _) => {
+                Ok(Sidecar { creases: own.creases.clone(), simulated: own.simulated.clone(), ..sidecar })
+            }
+            (None, Some(on_mesh)) => {
+                let surface = GarmentSurface::without_texture(&on_mesh.garment);
                 let (garment, width) = (&self.target.mesh.garment, self.fabric.crease_width());
-                sidecar.with_creases(&Crease::find(&surface, memory, garment, width))
+                sidecar
+                    .with_creases(&Crease::find(&surface, &on_mesh.worn.memory, garment, width))?
+                    .with_simulated(&on_mesh.garment, &on_mesh.worn)
             }
             (None, None) => Ok(sidecar),
         }
     }
+}
+
+/// The mesh that the target of `carried` was relaxed on, `displacement` being that of its points [m], with what was worn.
+fn worn_on_mesh(carried: &TransferResult, displacement: Option<Vec<Vec3>>) -> Option<SimulatedGarment> {
+    let CarriedOnMesh { mesh, memory } = carried.on_mesh.as_ref()?;
+    let worn = WornGarment { displacement: displacement?, memory: memory.clone() };
+    Some(SimulatedGarment { garment: mesh.garment.clone(), worn })
 }
 
 /// Reads the source and target position of each landmark of the file `path` [m].

@@ -141,10 +141,13 @@ impl GarmentView {
         }
     }
 
-    /// Draws the worn surface that `sidecar`, of which the view was made, holds; its own triangles if that has none.
-    pub fn with_worn_surface(self, sidecar: &Sidecar) -> Self {
-        let surface = WornView::of_sidecar(&self.file, sidecar).ok();
-        Self { surface, ..self }
+    /// Draws the worn surface that `sidecar`, of which the view was made, holds; its own triangles where that cannot be made, with a message that says
+    /// why.
+    pub fn with_worn_surface(self, sidecar: &Sidecar) -> (Self, Option<Message>) {
+        match WornView::of_sidecar(&self.file, sidecar) {
+            Ok(surface) => (Self { surface: Some(surface), ..self }, None),
+            Err(error) => (self, Some(own_triangles_message(&error))),
+        }
     }
 
     /// Creates the view from a mesh file: the worn pieces of a worn glTF, otherwise the whole garment.
@@ -284,6 +287,11 @@ impl GarmentView {
             }
         }
     }
+}
+
+/// Message that the triangles of a file are shown in place of its worn surface, because of `error`.
+pub fn own_triangles_message(error: &Error) -> Message {
+    format!("shows the triangles of the file, not what was worn: {error}").into()
 }
 
 /// Returns per triangle the change along warp or weft, whichever is larger in magnitude [%].

@@ -22,7 +22,7 @@ pub use detail_report::DetailReport;
 pub use export::{Export, ExportCheck, ExportFile};
 pub use fine_report::{FineReport, WrittenFile};
 #[cfg(feature = "render")]
-pub use garment_view::{ColorBy, GarmentView, PointMemory};
+pub use garment_view::{ColorBy, GarmentView, PointMemory, own_triangles_message};
 pub use html::escaped;
 pub use report_file::{
     CrossingCounts, EventCounts, ModelChoice, Report, ShownReport, StageTimes, crossing_counts,
@@ -33,4 +33,4 @@ pub use transfer_report::{CarriedSource, TransferReport};
 #[cfg(feature = "viewer")]
 pub use viewer::{HingeLabel, ViewerItem, ViewerPiece, viewer_page};
 #[cfg(feature = "render")]
-pub use worn_view::WornView;
+pub use worn_view::{WornView, fine_worn_glb};

@@ -3,11 +3,13 @@
 use crate::report::render::{Field, Values, smooth_corner_normals};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
-use crease_io::gltf::FINE_EDGE;
+use crease_io::gltf::{
+    DetailInput, FINE_EDGE, FineOutput, FlatNormals, WRINKLES_NAME, has_worn_target, write_fine_glb,
+};
 use crease_io::{Sidecar, sidecar_surface};
 use crease_model::error::Result;
 use crease_model::fabric::{DEFAULT_FABRIC, Fabric};
-use crease_model::garment::WornGarment;
+use crease_model::garment::{Garment, SourceAsset, WornGarment};
 use crease_model::remesh::{FileMesh, FileTriangle, FineMesh, FineVertex, WornSurface};
 
 /// A worn surface to be drawn.
@@ -31,12 +33,7 @@ impl WornView {
     /// # Errors
     /// Those of [`sidecar_surface`].
     pub fn of_sidecar(file: &str, sidecar: &Sidecar) -> Result<Self> {
-        let of = sidecar.simulated.as_deref().unwrap_or(sidecar);
-        let (mesh, memory) = sidecar_surface(file, of)?;
-        let displacement = of.worn().displacement;
-        let fabric = serde_json::from_value::<Fabric>(sidecar.fabric.clone());
-        let fabric = fabric.or_else(|_| Fabric::preset(DEFAULT_FABRIC))?;
-        let surface = WornSurface::new(&mesh, &WornGarment { displacement, memory }, fabric.crease_width());
+        let surface = worn_surface(file, sidecar)?;
         let (points, triangles) = (sidecar.mesh_points(), sidecar.mesh_triangles());
         let after: Vec<Vec3> = points.iter().zip(&sidecar.worn().displacement).map(|(x, d)| x + d).collect();
         let starts = surface.starts(&points, &triangles);
@@ -75,6 +72,43 @@ impl WornView {
         };
         Field { values, range: Some(field.limits()), ..field.clone() }
     }
+}
+
+/// The worn surface that `sidecar` holds; `file` is its name in messages.
+fn worn_surface(file: &str, sidecar: &Sidecar) -> Result<WornSurface> {
+    let of = sidecar.simulated.as_deref().unwrap_or(sidecar);
+    let (mesh, memory) = sidecar_surface(file, of)?;
+    let displacement = of.worn().displacement;
+    let fabric = serde_json::from_value::<Fabric>(sidecar.fabric.clone());
+    let fabric = fabric.or_else(|_| Fabric::preset(DEFAULT_FABRIC))?;
+    Ok(WornSurface::new(&mesh, &WornGarment { displacement, memory }, fabric.crease_width()))
+}
+
+/// The worn file `glb`, which was read as `asset`, with the worn surface that its `sidecar` holds in place of its own triangles; `None` for one that shows
+/// it already, by a map or as its base shape.
+///
+/// # Errors
+/// Those of [`sidecar_surface`] and [`write_fine_glb`].
+pub fn fine_worn_glb(glb: &[u8], asset: &SourceAsset, sidecar: &Sidecar) -> Result<Option<FineOutput>> {
+    let Some(document) = &asset.document else { return Ok(None) };
+    let is_named = |list: &str, name: &str| {
+        document.json[list].as_array().is_some_and(|all| all.iter().any(|one| one["name"] == name))
+    };
+    if is_named("images", WRINKLES_NAME) || !has_worn_target(document) {
+        return Ok(None);
+    }
+    let surface = worn_surface(&asset.file, sidecar)?;
+    let triangles: Vec<[u32; 3]> = sidecar.mesh_triangles().iter().map(|t| t.map(|p| p.0)).collect();
+    let mut coarse = Garment::of_triangles(sidecar.mesh_points(), &triangles);
+    coarse.source_point = sidecar.mesh.source_point.iter().map(|&p| PointIndex(p)).collect();
+    let displacement = sidecar.worn().displacement;
+    let detail = DetailInput {
+        coarse: &coarse,
+        displacement: &displacement,
+        surface: &surface,
+        flat_normals: FlatNormals::default(),
+    };
+    write_fine_glb(glb, asset, &detail, FINE_EDGE).map(Some)
 }
 
 /// Normals of the corners of `fine`: those of the garment, smooth but for sharp edges, turned by the wear.

@@ -1,10 +1,11 @@
 //! Crease lines of sources drawn on the surface of a target garment, with a row of edges on either side.
 //!
-//! Every point of the target has its signed distance from a line of a source where it is matched with cloth around that line;
+//! Every point of the target has its signed distance from a line of a source ([`LineLevels`]);
 //! the target's surface is cut along the zero line of this distance. What the source remembers beside the line then
 //! lies on the two rows of triangles beside it on the target.
 
 use crate::transfer::crease_lines::CreaseLine;
+use crate::transfer::line_levels::LineLevels;
 use crate::transfer::tuning::TUNING;
 use crease_model::garment::Garment;
 use crease_model::remesh::{Correspondence, Curve, CutPoint, GarmentSurface, Match, Query, SurfaceMesh};
@@ -37,22 +38,10 @@ impl<'a> CreaseDrawing<'a> {
         Self { mesh: SurfaceMesh::new(garment), levels: Vec::new(), rows: Vec::new() }
     }
 
-    /// Adds the `lines` of the source of `correspondence`; `target` is the garment's surface as it is matched.
-    pub fn add(
-        &mut self,
-        lines: &[CreaseLine],
-        correspondence: &impl Correspondence,
-        target: &GarmentSurface,
-    ) {
-        let matches = point_matches(correspondence, target);
-        for line in lines {
-            let level = |found: &Option<Match>| {
-                let found = found.as_ref()?;
-                line.level(correspondence.source(), found.triangle, &found.position)
-            };
-            self.levels.push(matches.iter().map(|found| level(found).unwrap_or(f64::NAN)).collect());
-            self.rows.push(line.row);
-        }
+    /// Adds the `lines` of a source; `levels` has their places on the garment.
+    pub fn add(&mut self, lines: &[CreaseLine], levels: &[LineLevels]) {
+        self.levels.extend(levels.iter().map(|own| own.level.clone()));
+        self.rows.extend(lines.iter().map(|line| line.row));
     }
 
     /// Draws all lines and their rows; `None` without a line.

@@ -1,130 +1,201 @@
-//! Crease lines of a memory: chains of strong hinges that run straight on, and their signed distance on the surface.
+//! Crease lines of a memory: its creases as curves on the source, and the signed distance from them on the surface.
 //!
-//! A fold that was made on a mesh with edges along it is remembered by the hinges of these edges. Such a chain is a line on the
-//! source; the signed distance from it, taken where the points of a target are matched, draws it on the target
-//! ([`crate::transfer::crease_drawing`]). Memory on triangles that follow no line has no chains.
+//! A fold that was made on a mesh with edges along it is remembered by the hinges of these edges and of the rows beside them. Such a crease is a
+//! line on the source; the signed distance from it, taken where the points of a target are matched, draws it on the target
+//! ([`crate::transfer::crease_drawing`]). Memory on triangles that follow no line has no chains. A fold is straight on the cloth that it was
+//! made in, but for kinks where it goes over a shoulder to the next layer: the crease is divided there.
 
 use crate::transfer::tuning::TUNING;
-use crease_geometry::math::Vec3;
+use crate::transfer::unrolled_strip::UnrolledStrip;
+use crease_geometry::math::{Vec2, Vec3};
 use crease_model::garment::RestState;
-use crease_model::remesh::{GarmentSurface, HingeChain};
+use crease_model::remesh::{CreaseChain, GarmentSurface};
 use rustc_hash::{FxHashMap, FxHashSet};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::ops::Range;
 
 /// A crease line on a source surface.
 #[derive(Debug, Clone)]
 pub(super) struct CreaseLine {
     /// Its points in order [m].
     points: Vec<Vec3>,
-    /// Hinge of the source between each two of them.
-    pub hinges: Vec<u32>,
+    /// Per point: the length of the line up to it [m].
+    lengths: Vec<f64>,
+    /// Change of rest angle between each two of them, with that of the rows beside it [rad].
+    pub angle: Vec<f64>,
+    /// Hinges of the source between each two of them, with those of the rows beside it.
+    pub hinges: Vec<Vec<u32>>,
+    /// Whether it is straight on the cloth.
+    pub is_straight: bool,
     /// Triangles of the source around it, on its own layer.
     around: FxHashSet<u32>,
     /// Height of the triangles beside it [m]: what lies farther off does not belong to the crease.
     pub row: f64,
+    /// Distance from it up to which places are looked for [m].
+    pub reach: f64,
 }
 
 impl CreaseLine {
-    /// Signed distance of the place `x` of source triangle `face` from the line [m]; `None` where the line does not reach.
-    pub fn level(&self, surface: &GarmentSurface, face: usize, x: &Vec3) -> Option<f64> {
-        self.locate(surface, face, x).map(|(level, _)| level)
-    }
-
-    /// The signed distance of such a place, and the number of the hinge of the line it is next to.
-    pub fn locate(&self, surface: &GarmentSurface, face: usize, x: &Vec3) -> Option<(f64, usize)> {
+    /// Signed distance of the place `x` of source triangle `face` from the line, and the length of the line up to its foot [m]; `None` where the
+    /// line does not reach.
+    pub fn locate(&self, surface: &GarmentSurface, face: usize, x: &Vec3) -> Option<[f64; 2]> {
         if !self.around.contains(&(face as u32)) {
             return None;
         }
         let normal = surface.normal(face).try_normalize(0.0)?;
         let last = self.points.len() - 2;
-        let mut best: Option<(f64, (f64, usize))> = None;
+        let mut best: Option<(f64, [f64; 2])> = None;
         for (k, ends) in self.points.windows(2).enumerate() {
             let along = ends[1] - ends[0];
             let length = along.norm();
             let direction = along / length.max(f64::MIN_POSITIVE);
             let foot = (x - ends[0]).dot(&direction);
             // The line goes on past its ends, so that it reaches the border of the cloth.
-            let low = if k == 0 { -TUNING.crease_line_overhang * self.row } else { 0.0 };
-            let high = length + if k == last { TUNING.crease_line_overhang * self.row } else { 0.0 };
+            let low = if k == 0 { -self.overhang() } else { 0.0 };
+            let high = length + if k == last { self.overhang() } else { 0.0 };
             let apart = x - (ends[0] + direction * foot.clamp(low, high));
             let distance = apart.norm();
             if best.is_none_or(|(least, _)| distance < least) {
                 let is_past = (k == 0 && foot < low) || (k == last && foot > high);
                 let level = if is_past { f64::NAN } else { apart.dot(&normal.cross(&direction)) };
-                best = Some((distance, (level, k)));
+                best = Some((distance, [level, self.lengths[k] + foot.clamp(low, high)]));
             }
         }
-        best.map(|(_, found)| found).filter(|(level, _)| level.is_finite())
+        best.map(|(_, found)| found).filter(|[level, _]| level.is_finite())
     }
 
-    /// Length of hinge `k` of the line [m].
-    pub fn hinge_length(&self, k: usize) -> f64 {
-        (self.points[k + 1] - self.points[k]).norm()
+    /// Length by which the line goes on past its ends [m].
+    pub fn overhang(&self) -> f64 {
+        TUNING.crease_line_overhang * self.row
     }
 
-    fn length(&self) -> f64 {
-        (0..self.hinges.len()).map(|k| self.hinge_length(k)).sum()
+    /// Whether the line, with what it goes on by, has a place `along` [m] from its start.
+    pub fn reaches(&self, along: f64) -> bool {
+        along >= -self.overhang() && along <= self.length() + self.overhang()
+    }
+
+    /// The part of the line `along` [m] from its start lies in.
+    pub fn part_at(&self, along: f64) -> usize {
+        self.lengths.partition_point(|length| *length <= along).saturating_sub(1).min(self.angle.len() - 1)
+    }
+
+    /// Length of part `k` of the line [m].
+    pub fn part_length(&self, k: usize) -> f64 {
+        self.lengths[k + 1] - self.lengths[k]
+    }
+
+    /// Its length [m].
+    pub fn length(&self) -> f64 {
+        self.lengths.last().copied().unwrap_or(0.0)
     }
 }
 
-/// Crease lines that `memory` has on `surface`, the longest first, for a target of mean edge `target_edge` [m] and of diagonal
-/// `size` [m].
+/// Crease lines that `memory` has on `surface`, the strongest first, for a target of mean edge `target_edge` [m] and of diagonal
+/// `size` [m]; `own` is the surface as it was before it was aligned with the target.
 pub(super) fn crease_lines(
     surface: &GarmentSurface,
+    own: &GarmentSurface,
     memory: &RestState,
     target_edge: f64,
     size: f64,
 ) -> Vec<CreaseLine> {
-    let mut lines: Vec<CreaseLine> = Vec::new();
-    let strong =
-        |h: usize| (memory.rest_angle[h] - memory.source_angle[h]).abs() >= TUNING.min_crease_line_angle;
-    let mut chains =
-        HingeChain::all(&surface.points, &surface.topology, strong, TUNING.min_crease_line_cosine);
-    chains.retain(|chain| chain.length >= TUNING.min_crease_line_fraction * size);
-    chains.sort_by(|a, b| b.length.total_cmp(&a.length).then_with(|| a.points.cmp(&b.points)));
-    for chain in chains {
-        let line = CreaseLine::of(&chain, surface, target_edge);
-        // Two rows of strong hinges side by side are one crease.
-        let beside = |(ends, h): &(&[u32], &u32)| {
-            let middle = 0.5 * (surface.points[ends[0] as usize] + surface.points[ends[1] as usize]);
-            surface.topology.hinges[**h as usize].triangles.iter().any(|&f| {
-                let level = |other: &CreaseLine| other.level(surface, f as usize, &middle);
-                lines.iter().any(|other| level(other).is_some_and(|level| level.abs() < other.row))
-            })
-        };
-        let covered: f64 = chain.edges().filter(beside).map(|(ends, _)| length(surface, ends)).sum();
-        if covered < 0.5 * line.length() {
-            lines.push(line);
+    let mut lines = Vec::new();
+    for chain in CreaseChain::all(surface, memory) {
+        let whole = CreaseLine::of(&chain, 0..chain.hinges.len(), surface, target_edge);
+        let weighted: f64 = (0..whole.angle.len()).map(|k| whole.angle[k].abs() * whole.part_length(k)).sum();
+        let is_fold = weighted >= TUNING.min_crease_line_angle * whole.length();
+        if whole.length() < TUNING.min_crease_line_fraction * size || !is_fold {
+            continue;
+        }
+        let on_own = CreaseLine::of(&chain, 0..chain.hinges.len(), own, target_edge);
+        match straight_parts(&chain, &on_own, own) {
+            Some(parts) => lines.extend(parts.into_iter().map(|part| CreaseLine {
+                is_straight: true,
+                ..CreaseLine::of(&chain, part, surface, target_edge)
+            })),
+            None => lines.push(whole),
         }
     }
     lines
 }
 
-fn length(surface: &GarmentSurface, ends: &[u32]) -> f64 {
-    (surface.points[ends[1] as usize] - surface.points[ends[0] as usize]).norm()
-}
-
 impl CreaseLine {
-    fn of(chain: &HingeChain, surface: &GarmentSurface, target_edge: f64) -> Self {
+    /// The hinges `part` of `chain`.
+    fn of(chain: &CreaseChain, part: Range<usize>, surface: &GarmentSurface, target_edge: f64) -> Self {
+        let points: Vec<Vec3> =
+            chain.points[part.start..=part.end].iter().map(|&p| surface.points[p as usize]).collect();
+        let mut lengths = vec![0.0];
+        for ends in points.windows(2) {
+            lengths.push(lengths[lengths.len() - 1] + (ends[1] - ends[0]).norm());
+        }
         let mut heights = Vec::new();
         let mut start = Vec::new();
-        for (ends, h) in chain.edges() {
+        for (k, h) in chain.hinges[part.clone()].iter().enumerate() {
             for f in surface.topology.hinges[*h as usize].triangles {
-                heights
-                    .push(surface.normal(f as usize).norm() / length(surface, ends).max(f64::MIN_POSITIVE));
+                let length = lengths[k + 1] - lengths[k];
+                heights.push(surface.normal(f as usize).norm() / length.max(f64::MIN_POSITIVE));
                 start.push(f);
             }
         }
         heights.sort_by(f64::total_cmp);
         let row = heights[heights.len() / 2].clamp(TUNING.min_crease_row, TUNING.max_crease_row);
         let reach = TUNING.crease_line_reach * (row + target_edge);
+        let hinges = part.clone().map(|k| [&[chain.hinges[k]], &chain.rows[k][..]].concat());
         Self {
-            points: chain.points.iter().map(|&p| surface.points[p as usize]).collect(),
-            hinges: chain.hinges.clone(),
+            hinges: hinges.collect(),
+            angle: chain.angle[part].to_vec(),
             around: triangles_within(surface, &start, reach),
+            is_straight: false,
+            points,
+            lengths,
             row,
+            reach,
         }
+    }
+}
+
+/// The parts of `chain`, whose line is `whole`, between its kinks; `None` for one that is not straight between few kinks.
+fn straight_parts(
+    chain: &CreaseChain,
+    whole: &CreaseLine,
+    surface: &GarmentSurface,
+) -> Option<Vec<Range<usize>>> {
+    let triangles = |k: usize| surface.topology.hinges[chain.hinges[k] as usize].triangles;
+    let mut strip = UnrolledStrip::new(surface, triangles(chain.hinges.len() / 2)[0]);
+    strip.grow(|face, _, _| {
+        let [level, _] = whole.locate(surface, face as usize, &surface.centroid(face as usize))?;
+        Some(level.abs()).filter(|level| *level <= 2.0 * whole.row)
+    });
+    let place = |k: usize, p: u32| {
+        triangles(k).into_iter().find_map(|f| {
+            let at = surface.triangles[f as usize].iter().position(|q| q.0 == p)?;
+            strip.corners(f).map(|corners| corners[at])
+        })
+    };
+    let count = chain.hinges.len();
+    let places = (0..=count).map(|k| place(k.min(count - 1), chain.points[k]));
+    let places: Vec<Vec2> = places.collect::<Option<_>>()?;
+    let mut parts = Vec::new();
+    divide(&places, 0..count, &mut parts);
+    let is_long = |part: &Range<usize>| {
+        whole.lengths[part.end] - whole.lengths[part.start] >= TUNING.min_straight_crease
+    };
+    parts.iter().all(is_long).then_some(parts)
+}
+
+/// Divides the polygon `places` [m] over `range` of its sides where it is farthest from straight.
+fn divide(places: &[Vec2], range: Range<usize>, parts: &mut Vec<Range<usize>>) {
+    let (a, b) = (places[range.start], places[range.end]);
+    let along = (b - a).try_normalize(0.0).unwrap_or_else(Vec2::x);
+    let apart = |k: usize| (places[k] - a).perp(&along).abs();
+    let farthest = (range.start + 1..range.end).max_by(|i, j| apart(*i).total_cmp(&apart(*j)));
+    match farthest.filter(|k| apart(*k) > TUNING.max_straight_deviation) {
+        Some(k) => {
+            divide(places, range.start..k, parts);
+            divide(places, k..range.end, parts);
+        }
+        None => parts.push(range),
     }
 }
 

@@ -13,6 +13,7 @@ use crease_model::remesh::SimulationMesh;
 use crate::transfer::crease_drawing::CreaseDrawing;
 use crate::transfer::crease_lines::{CreaseLine, crease_lines};
 use crate::transfer::limbs::Region;
+use crate::transfer::line_levels::LineLevels;
 use crate::transfer::line_memory::LineMemory;
 use crate::transfer::mesh_on_target::MeshOnTarget;
 use crate::transfer::options::{Align, AlignedBy, MatchBy, SourceOutcome, TransferOptions, TransferSource};
@@ -41,6 +42,8 @@ pub(super) enum MatchedSource {
 pub(super) struct AlignedMemory {
     /// Its surface in the canonical coordinates of the target.
     surface: GarmentSurface,
+    /// Its surface as it was before.
+    own: GarmentSurface,
     /// Memory, one entry per hinge and triangle of the surface.
     memory: RestState,
     mode: MatchMode,
@@ -162,10 +165,11 @@ impl AlignedMemory {
             let options = TransferOptions { match_by, ..options.clone() };
             return Self::new(&earned, &own, &memory, aligned_to, &options);
         }
+        let own = surface.clone();
         let AlignedSource { surface, by, regions, notes } = aligned;
         // The texture says which cloth belongs together, whatever limb it is of.
         let (regions, notes) = if mode == MatchMode::Uv { (None, Vec::new()) } else { (regions, notes) };
-        Ok(Self { surface, memory: memory.clone(), mode, by, regions, notes })
+        Ok(Self { surface, own, memory: memory.clone(), mode, by, regions, notes })
     }
 
     fn finder(&self, aligned_to: &AlignmentTarget) -> CorrespondenceFinder<'_> {
@@ -206,7 +210,12 @@ impl AlignedMemory {
 
     /// The memory with its crease lines.
     pub fn with_lines(&self, aligned_to: &AlignmentTarget) -> LinedMemory<'_> {
-        LinedMemory { source: self, lines: self.lines(aligned_to), finder: self.finder(aligned_to) }
+        let (lines, finder) = (self.lines(aligned_to), self.finder(aligned_to));
+        let levels = match lines.is_empty() {
+            true => Vec::new(),
+            false => LineLevels::all(&lines, &finder, &aligned_to.canonical),
+        };
+        LinedMemory { source: self, lines, levels, finder }
     }
 
     fn lines(&self, aligned_to: &AlignmentTarget) -> Vec<CreaseLine> {
@@ -214,7 +223,7 @@ impl AlignedMemory {
         let edges = &target.topology.edges;
         let length = |[a, b]: &[PointIndex; 2]| (target.points[a.at()] - target.points[b.at()]).norm();
         let mean_edge = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
-        crease_lines(&self.surface, &self.memory, mean_edge, aligned_to.pose.size.norm())
+        crease_lines(&self.surface, &self.own, &self.memory, mean_edge, aligned_to.pose.size.norm())
     }
 }
 
@@ -238,26 +247,25 @@ fn simulated_source(
 pub(super) struct LinedMemory<'a> {
     source: &'a AlignedMemory,
     lines: Vec<CreaseLine>,
+    /// Per line: where the points of the target are beside it.
+    levels: Vec<LineLevels>,
     finder: CorrespondenceFinder<'a>,
 }
 
 impl LinedMemory<'_> {
     /// Draws the lines on the target.
-    pub fn draw(&self, aligned_to: &AlignmentTarget, drawing: &mut CreaseDrawing) {
-        if !self.lines.is_empty() {
-            drawing.add(&self.lines, &self.finder, &aligned_to.canonical);
-        }
+    pub fn draw(&self, drawing: &mut CreaseDrawing) {
+        drawing.add(&self.lines, &self.levels);
     }
 
     /// The memory on `mesh`, which lies on the target.
     pub fn resampled_on(&self, mesh: &SimulationMesh, aligned_to: &AlignmentTarget) -> MemoryDelta {
-        let Self { source, lines, finder } = self;
+        let Self { source, lines, levels, finder } = self;
         let on_target = MeshOnTarget::new(finder, &aligned_to.canonical, mesh);
         let own = GarmentSurface::without_texture(&mesh.garment);
         let own = aligned_to.pose.apply(&own, Vec3::repeat(1.0));
         let orientation = source.orientation(aligned_to);
-        let LineMemory { angle, carried } =
-            LineMemory::new(lines, &source.memory, &on_target, &own, orientation);
+        let LineMemory { angle, carried } = LineMemory::new(lines, levels, &on_target, &own, orientation);
         // What lies on the lines goes from hinge to hinge, the rest as a field.
         let mut rest = source.memory.clone();
         carried.iter().for_each(|h| rest.rest_angle[*h as usize] = rest.source_angle[*h as usize]);

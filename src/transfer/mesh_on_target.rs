@@ -1,5 +1,6 @@
 //! Correspondence of a mesh on the surface of a target with a source: that of the target's own triangles.
 
+use crease_geometry::math::Vec3;
 use crease_geometry::mesh::SurfaceWalk;
 use crease_geometry::mesh::distance::barycentric;
 use crease_model::remesh::{Correspondence, GarmentSurface, Match, Query, SimulationMesh, smallest_rotation};
@@ -20,6 +21,25 @@ impl<'a, C: Correspondence> MeshOnTarget<'a, C> {
     pub fn new(inner: &'a C, target: &'a GarmentSurface, mesh: &'a SimulationMesh) -> Self {
         let walk = SurfaceWalk::new(target.points.len(), &target.triangles);
         Self { inner, target, mesh, walk, outward: target.orientation_sign() }
+    }
+}
+
+impl<C> MeshOnTarget<'_, C> {
+    /// Per point of the mesh at `points` [m], in the pose of the target: the triangle of the target that it lies in, with the weights of its corners.
+    pub fn places(&self, points: &[Vec3]) -> Vec<(usize, [f64; 3])> {
+        let GarmentSurface { points: own, triangles, .. } = self.target;
+        let place = |(x, start): (&Vec3, &u32)| {
+            let face = self.walk.closest(own, triangles, *start, x) as usize;
+            (face, barycentric(x, &self.target.corners(face)))
+        };
+        points.iter().zip(&self.mesh.source_triangle).map(place).collect()
+    }
+
+    /// The `values` of the points of the target at a place of it.
+    pub fn interpolated(&self, (face, weights): &(usize, [f64; 3]), values: &[f64]) -> f64 {
+        let parts = self.target.triangles[*face].iter().zip(weights);
+        // Values that are not known count where the place is not on the opposite side.
+        parts.filter(|(_, weight)| weight.abs() > 1e-9).map(|(p, weight)| values[p.at()] * weight).sum()
     }
 }
 

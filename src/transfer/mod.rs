@@ -24,6 +24,7 @@ mod crease_lines;
 mod earlier_memory;
 mod limb_alignment;
 mod limbs;
+mod line_levels;
 mod line_memory;
 mod matching;
 mod mesh_on_target;
@@ -35,6 +36,7 @@ mod relax;
 mod simulated_texture;
 mod texture_agreement;
 mod tuning;
+mod unrolled_strip;
 mod warnings;
 
 pub use builder::Transfer;

@@ -124,7 +124,7 @@ fn on_mesh_along_creases(
     let aligned = matched.iter().map(MatchedSource::aligned).collect::<Option<Vec<_>>>()?;
     let all: Vec<LinedMemory> = aligned.into_iter().map(|source| source.with_lines(aligned_to)).collect();
     let mut drawing = CreaseDrawing::new(garment);
-    all.iter().for_each(|source| source.draw(aligned_to, &mut drawing));
+    all.iter().for_each(|source| source.draw(&mut drawing));
     let mesh = make(drawing.finish()?)?;
     let surface = GarmentSurface::without_texture(&mesh.garment);
     let mut sum = MemoryDelta::zero(&surface);

@@ -12,7 +12,7 @@ use crate::transfer::crease_drawing::DrawnCreases;
 use crate::transfer::options::{CarriedOnMesh, TransferResult};
 use crease_model::fabric::Fabric;
 use crease_model::garment::{Garment, RigidParts};
-use crease_model::remesh::SimulationMesh;
+use crease_model::remesh::{SimulationMesh, resolved_memory};
 
 /// The mesh with edges along creases that are drawn on a garment without trims; `None` where its layers would cross on that mesh but not in
 /// the garment.
@@ -32,7 +32,8 @@ pub fn relax_carried(garment: &Garment, fabric: &Fabric, carried: &TransferResul
     let rigid = RigidParts::find(garment);
     let cloth = rigid.as_ref().map_or(garment, RigidParts::cloth);
     let options = RelaxOptions::visible_on(cloth, fabric, carried.strength);
-    let relaxed = relax_to_show(&mesh.garment, fabric, memory, &options);
+    let shown = resolved_memory(mesh, memory);
+    let relaxed = relax_to_show(&mesh.garment, fabric, &shown, &options);
     let reading = GarmentReading::new(cloth, fabric.thickness(), None);
     let (displacement, _) = reading.displacement(mesh, &relaxed.displacement);
     let displacement = match &rigid {

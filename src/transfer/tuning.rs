@@ -104,12 +104,22 @@ pub(super) struct TransferTuning {
     pub max_joint_points: usize,
     /// Smallest distance between two such points, relative to `joint_offset_fraction` [-], default 0.2.
     pub min_joint_point_spacing: f64,
-    /// Change of rest angle from which a hinge can be part of a crease line [rad], default 0.5.
+    /// Mean change of rest angle, with that of the rows beside it, from which a crease is a crease line [rad], default 0.5.
     pub min_crease_line_angle: f64,
-    /// Cosine of the bend of a crease line from one edge to the next [-], default 0.87: 30 degrees.
-    pub min_crease_line_cosine: f64,
     /// Length of a crease line [fraction], default 0.05: a fold goes across a garment, wrinkles do not.
     pub min_crease_line_fraction: f64,
+    /// Distance of a point of a crease from straight, on the unrolled cloth, from which it has a kink there [m], default 8e-3: the distance of a row.
+    pub max_straight_deviation: f64,
+    /// Length of a straight part of a crease, at least [m], default 0.06: one with shorter parts is a curve.
+    pub min_straight_crease: f64,
+    /// Distance between a matched crease and a straight one from which it says less about where that lies [m], default 4e-3.
+    pub straight_scale: f64,
+    /// Root mean square of that distance above which a crease is not drawn straight [m], default 0.03.
+    pub max_straight_rms: f64,
+    /// Stretches of a straight line over which the place on the source's is averaged [m], default 0.04.
+    pub straight_knot_spacing: f64,
+    /// Rounds in which a straight line is fitted, and in which the cloth along it is unrolled again, default 5.
+    pub straight_rounds: usize,
     /// Smallest distance of the row of edges beside a crease line [m], default 4e-3.
     pub min_crease_row: f64,
     /// Largest distance of that row [m], default 0.025.
@@ -178,8 +188,13 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     max_joint_points: 1500,
     min_joint_point_spacing: 0.2,
     min_crease_line_angle: 0.5,
-    min_crease_line_cosine: 0.87,
     min_crease_line_fraction: 0.05,
+    max_straight_deviation: 8e-3,
+    min_straight_crease: 0.06,
+    straight_scale: 4e-3,
+    max_straight_rms: 0.03,
+    straight_knot_spacing: 0.04,
+    straight_rounds: 5,
     min_crease_row: 4e-3,
     max_crease_row: 0.025,
     crease_line_reach: 2.5,

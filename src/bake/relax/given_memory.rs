@@ -66,6 +66,7 @@ pub fn rest_mesh(garment: &Garment, fabric: &Fabric, rest: &RestState) -> RelaxR
     let contact = Contact::none(garment.points.len());
     let options = RelaxOptions {
         tether_scale: TUNING.relax.rest_mesh_tether,
+        free_shift: f64::INFINITY,
         max_stretch: f64::INFINITY,
         max_angle: None,
     };

@@ -10,7 +10,8 @@
 //!
 //! that acts over the length l of a panel, so that the cloth beside a crease stays flat and the pose is kept by what is larger. A crease
 //! of the angle a moves its line by a l / (2 sqrt 2): a beam of the stiffness B on this foundation, with a kink in it. Weight and body
-//! open it: what is remembered is applied up to the angle that moves a line by `max_shift` (an assumption, as no load of the pose is known). Without memory the source pose
+//! open it: what is remembered is applied up to an angle that is an assumption, as no load of the pose is known ([`WornGarment::OPENED_ANGLE`]). Where
+//! creases cross or end at a hem their shifts add up: beyond a free distance the tether is stiffer. Without memory the source pose
 //! itself is the minimum. Cloth as stiff as it is against stretch cannot crease across a curved surface (a garment in the shape of
 //! a body) without moving as a whole, which the tether forbids: here it stretches more easily. The rest state is applied in equal
 //! load increments; self-contact acts as in any other step, and what crosses in the source pose stays where it is. Beside a body the cloth is kept out of it as far as it is out of it in the
@@ -22,12 +23,11 @@ use crease_geometry::math::Vec3;
 use crease_geometry::mesh::intersections::self_intersections;
 use crease_model::body::AnimatedBody;
 use crease_model::fabric::Fabric;
-use crease_model::garment::{Garment, RestState};
+use crease_model::garment::{Garment, RestState, WornGarment};
 use crease_model::remesh::{GarmentSurface, opened_memory};
 use crease_solver::contact::BodyPlanes;
-use crease_solver::energy::{EdgeContacts, Energy, PlaneContacts, TargetSpring, TargetSprings};
+use crease_solver::energy::{EdgeContacts, Energy, PlaneContacts, PoseTether};
 use crease_solver::sim::{GRAVITY, NewtonOptions, Stepper};
-use std::f64::consts::SQRT_2;
 
 /// Result of a relaxation.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -51,6 +51,8 @@ pub struct RelaxResult {
 pub(crate) struct RelaxOptions {
     /// Factor on the stiffness of the tether [-].
     pub tether_scale: f64,
+    /// Displacement up to which the tether is a linear spring [m].
+    pub free_shift: f64,
     /// Stretch stiffness at most [N/m].
     pub max_stretch: f64,
     /// Angle to which the pose opens a crease that remembers any more [rad]; `None` for all that is remembered.
@@ -68,8 +70,9 @@ impl RelaxOptions {
         let thickness = panel * panel / TUNING.relax.surface_radius;
         Self {
             tether_scale: (own / decay).powi(4),
+            free_shift: strength * TUNING.relax.free_shift,
             max_stretch: 12.0 * fabric.bend_mean() / (thickness * thickness),
-            max_angle: Some(strength * 2.0 * SQRT_2 * TUNING.relax.max_shift / decay),
+            max_angle: Some(strength * WornGarment::OPENED_ANGLE * TUNING.relax.min_decay / decay),
         }
     }
 }
@@ -95,13 +98,13 @@ pub(in crate::bake) fn relax_to_source_pose(
     let opened = mesh.zip(options.max_angle).map(|(mesh, limit)| opened_memory(&mesh, rest, limit));
     let rest = opened.as_ref().unwrap_or(rest);
     let tether = options.tether_scale * fabric.area_density() * GRAVITY / fabric.bending_length();
-    let springs: Vec<TargetSpring> = garment
-        .points
-        .iter()
-        .zip(&stepper.cloth.area)
-        .enumerate()
-        .map(|(p, (x, area))| TargetSpring::isotropic(p as u32, *x, area * tether))
-        .collect();
+    let stiffness: Vec<f64> = stepper.cloth.area.iter().map(|area| area * tether).collect();
+    let tethers = PoseTether {
+        source: &garment.points,
+        stiffness: &stiffness,
+        free: options.free_shift,
+        growth: TUNING.relax.tether_growth,
+    };
     let crossing = match stepper.contact.settings().self_contact {
         true => crossing_points(garment),
         false => vec![false; garment.points.len()],
@@ -135,7 +138,6 @@ pub(in crate::bake) fn relax_to_source_pose(
         let membrane = model.term(&partial, &[], f64::INFINITY);
         let last_angle = angle.clone();
         let bending_term = bending.term(&partial, &last_angle, f64::INFINITY);
-        let tethers = TargetSprings(&springs);
         let found = match &mut beside {
             Some(beside) => beside.find(&x),
             None => FoundContacts { planes: Vec::new(), edges: Vec::new() },

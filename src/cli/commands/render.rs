@@ -8,6 +8,8 @@ use crate::args::mesh::ReferenceArgs;
 use crate::args::values::{Choice, choice, png_path};
 use crate::files::output::{Outputs, commit};
 use crate::files::view_file::ViewFile;
+use crate::runtime::console;
+use crate::runtime::wording::ToolWords;
 use clap::ArgAction;
 use crease::internal::report::render::{Camera, CameraView, encode_apng, encode_png};
 use crease::internal::report::{ColorBy, GarmentView};
@@ -77,10 +79,13 @@ pub fn run(arguments: Arguments) -> Result<()> {
     outputs.check(&arguments.output)?;
     let ViewFile { view, sidecar, .. } =
         ViewFile::read(&arguments.worn, arguments.references.allow_folder.as_deref())?;
-    let view = match &sidecar {
+    let (view, message) = match &sidecar {
         Some(sidecar) => view.with_worn_surface(sidecar),
-        None => view,
+        None => (view, None),
     };
+    if let Some(message) = message {
+        console::message(&format!("warning: {}", message.worded(&ToolWords)));
+    }
     let width = usize::from(arguments.size);
     let size = [width, width * 3 / 4];
     let color_by = arguments.show;

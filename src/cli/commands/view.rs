@@ -9,7 +9,10 @@ use crate::files::view_file::ViewFile;
 use crate::runtime::console;
 use crate::runtime::wording::ToolWords;
 use crease::internal::files::{GarmentFile, embed_asset_images, output_name, read_asset_file};
-use crease::internal::report::{ColorBy, GarmentView, HingeLabel, ViewerItem, ViewerPiece, viewer_page};
+use crease::internal::report::{
+    ColorBy, GarmentView, HingeLabel, ViewerItem, ViewerPiece, fine_worn_glb, own_triangles_message,
+    viewer_page,
+};
 use crease_geometry::math::Vec3;
 use crease_geometry::mesh::PointIndex;
 use crease_io::ReadOptions;
@@ -105,7 +108,18 @@ fn worn_item(path: &Path, file: ViewFile, reading: &ReadOptions) -> Result<Viewe
     let name =
         path.file_name().map_or_else(|| input::name_of(path), |name| name.to_string_lossy().into_owned());
     let pieces = ViewerPiece::of_asset(&asset);
-    Ok(ViewerItem { name, glb: plain_glb(&asset)?, pieces, view, hinges, frames: Vec::new() })
+    let own = plain_glb(&asset)?;
+    let fine = sidecar.as_ref().map_or(Ok(None), |sidecar| fine_worn_glb(&own, &asset, sidecar));
+    let (glb, added) = match fine {
+        Ok(Some(fine)) => (fine.glb, fine.added),
+        Ok(None) => (own, Vec::new()),
+        Err(error) => {
+            let message = own_triangles_message(&error);
+            console::message(&format!("warning: {name}: {}", message.worded(&ToolWords)));
+            (own, Vec::new())
+        }
+    };
+    Ok(ViewerItem { name, glb, pieces, added, view, hinges, frames: Vec::new() })
 }
 
 /// Frames of a run.
@@ -134,7 +148,15 @@ fn simulated_item(
     )?;
     let view = GarmentView::of_shapes(input::name_of(folder), [before, after], triangles);
     let (glb, pieces) = (plain_glb(&mesh.asset)?, ViewerPiece::of_asset(&mesh.asset));
-    Ok(ViewerItem { name: "simulated".to_owned(), glb, pieces, view, hinges: Vec::new(), frames })
+    Ok(ViewerItem {
+        name: "simulated".to_owned(),
+        glb,
+        pieces,
+        added: Vec::new(),
+        view,
+        hinges: Vec::new(),
+        frames,
+    })
 }
 
 /// Reads the frames in `folder`, evenly subsampled to at most `max_count`.

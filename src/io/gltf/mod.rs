@@ -47,11 +47,13 @@ pub use fine::{FINE_EDGE, FineOutput, write_fine_glb};
 pub use flat_shading::FlatNormals;
 pub use names::{
     FORMER_REST_ANGLE_ATTRIBUTE, REST_ANGLE_CHANGE_ATTRIBUTE, REST_ANGLE_DEG_ATTRIBUTE, STIFFNESS_ATTRIBUTE,
-    UNWORN_TARGET, WORN_TARGET,
+    UNWORN_TARGET, WORN_TARGET, WRINKLES_NAME,
 };
 pub(crate) use read::read_gltf;
 pub(crate) use read_worn::earlier_wear_note;
-pub use read_worn::{EarlierWear, WornVertices, earlier_wear, keep_worn_pieces, read_worn, sidecar_name};
+pub use read_worn::{
+    EarlierWear, WornVertices, earlier_wear, has_worn_target, keep_worn_pieces, read_worn, sidecar_name,
+};
 pub use rest_angle_map::write_rest_angle_map;
 pub use rig::read_rig;
 pub(crate) use write::{SceneShape, scene_shapes};

@@ -23,3 +23,6 @@ pub(super) const DRACO_EXTENSION: &str = "KHR_draco_mesh_compression";
 pub(super) const DRACO_CURE: &str = ", or decode it: npx @gltf-transform/cli copy IN.glb OUT.glb";
 /// Extension that draws a mesh many times.
 pub(super) const INSTANCING_EXTENSION: &str = "EXT_mesh_gpu_instancing";
+
+/// Name of the picture and the texture that hold the normal map of what was worn.
+pub const WRINKLES_NAME: &str = "wrinkles";

@@ -155,6 +155,15 @@ pub(super) fn worn_target<'a>(document: &'a GltfDocument, piece: &SourcePiece) -
     named_target(document, piece, WORN_TARGET)
 }
 
+/// Whether a mesh of `document` has the shape that was worn as a morph target: not where that is its base shape.
+pub fn has_worn_target(document: &GltfDocument) -> bool {
+    let has_name = |mesh: &Value| {
+        let names = mesh["extras"]["targetNames"].as_array();
+        names.is_some_and(|names| names.iter().any(|name| name == WORN_TARGET))
+    };
+    document.json["meshes"].as_array().is_some_and(|meshes| meshes.iter().any(has_name))
+}
+
 /// Returns the index of the worn target among the targets of a piece.
 pub(super) fn worn_target_index(document: &GltfDocument, piece: &SourcePiece) -> Option<usize> {
     let names = document.json["meshes"][piece.mesh]["extras"]["targetNames"].as_array()?;

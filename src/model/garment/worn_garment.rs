@@ -8,8 +8,6 @@ use crease_geometry::mesh::{Hinge, PointIndex, hinge_angle, unwrap_angle};
 
 /// Change of rest angle from which a hinge counts for what is shown [rad]: 20 degrees.
 const MIN_SHOWN_CHANGE: f64 = 0.35;
-/// Angle to which the pose of a garment opens a crease that remembers any more [rad].
-const OPENED_ANGLE: f64 = 0.51;
 /// Width of cloth beside creases that turns by this angle at most [m], an assumption: a radius of 30 mm.
 const OPENED_WIDTH: f64 = 0.015;
 /// Fraction shown below which a warning is given [-].
@@ -33,6 +31,10 @@ pub struct WornGarment {
 }
 
 impl WornGarment {
+    /// Angle to which the pose of a garment opens a crease that remembers any more, an assumption [rad]: 29 degrees, which moves
+    /// its line by 10 mm where it decays over 55 mm.
+    pub const OPENED_ANGLE: f64 = 0.51;
+
     /// Fraction of what strong hinges of `garment` remember, opened as its pose does, that the worn shape bends them by (regression by length of
     /// hinge) [-]; `None` where no hinge remembers 20 degrees.
     pub fn shown_fraction(&self, garment: &Garment) -> Option<f64> {
@@ -42,7 +44,7 @@ impl WornGarment {
             if change.abs() < MIN_SHOWN_CHANGE {
                 continue;
             }
-            let limit = OPENED_ANGLE * opened_fraction(&garment.points, &garment.triangles, hinge);
+            let limit = Self::OPENED_ANGLE * opened_fraction(&garment.points, &garment.triangles, hinge);
             let change = change.clamp(-limit, limit);
             let source = hinge.points.map(|p| garment.points[p.at()]);
             let worn = hinge.points.map(|p| garment.points[p.at()] + self.displacement[p.at()]);
@@ -88,7 +90,7 @@ mod tests {
         // The second wing turned by half of what the pose leaves of it, to the side of a positive angle.
         let bend = |angle: f64| Vec3::new(angle.cos(), angle.sin(), 0.0);
         let quad = |wing: Vec3| hinge_angle(&[Vec3::zeros(), Vec3::z(), -Vec3::x(), wing]);
-        let half = 0.5 * OPENED_ANGLE;
+        let half = 0.5 * WornGarment::OPENED_ANGLE;
         let wing = if quad(bend(half)) > 0.0 { bend(half) } else { bend(-half) };
         worn.displacement[3] = wing - Vec3::x();
         let shown = worn.shown_fraction(&garment).expect("it remembers");

@@ -35,7 +35,9 @@ pub use simulation_mesh::SimulationMesh;
 pub use sizing::{Seed, SizeField};
 pub use surface_finder::SurfaceFinder;
 pub use surface_mesh::{Curve, CutPoint, SurfaceMesh, SurfacePoint, interpolate};
-pub use worn_surface::{Crease, CreaseDistances, NearCrease, WornPlace, WornSurface, opened_memory};
+pub use worn_surface::{
+    Crease, CreaseChain, CreaseDistances, NearCrease, WornPlace, WornSurface, opened_memory,
+};
 
 impl SurfaceMesh<'_> {
     /// The mesh as it is, to simulate on.

@@ -24,13 +24,17 @@ pub(super) struct RemeshTuning {
     /// Weight of kinks in the projection [-], default 0.07: creases that run across triangles of 18 mm are straight, and 0.72 of what is
     /// remembered is seen (0.03: 0.79, but the ridge is a row of teeth; 0.1: 0.69; 0.3: 0.55).
     pub kink_weight: f64,
-    /// Change of rest angle from which a hinge can be part of a crease of the worn surface [rad], default 0.2.
+    /// Change of rest angle, with that of the edges beside it, from which a hinge can be part of a crease of the worn surface [rad], default 0.2.
     pub min_crease_angle: f64,
     /// Cosine of the bend of a crease from one edge to the next [-], default 0.87: 30 degrees.
     pub min_crease_cosine: f64,
+    /// Length of the part of a crease with a small angle between others that belong to it, at most [m], default 0.05.
+    pub max_crease_gap: f64,
+    /// Cosine of the bend of a crease from one edge to the next along such a part [-], default 0.95: 18 degrees.
+    pub min_traced_cosine: f64,
     /// Length of a crease of the worn surface, at least [m], default 0.04: some edges.
     pub min_crease_length: f64,
-    /// Cosine of the angle between the edges of a crease and of the row beside it [-], default 0.8.
+    /// Cosine of the angle between the edges of a crease and of the row beside it [-], default 0.95: 18 degrees.
     pub min_row_cosine: f64,
     /// Distance of a row from its crease, at most [m], default 0.012: 1.5 times that at which rows are drawn.
     pub max_row_distance: f64,
@@ -107,8 +111,10 @@ pub(super) const TUNING: RemeshTuning = RemeshTuning {
     kink_weight: 0.07,
     min_crease_angle: 0.2,
     min_crease_cosine: 0.87,
+    max_crease_gap: 0.05,
+    min_traced_cosine: 0.95,
     min_crease_length: 0.04,
-    min_row_cosine: 0.8,
+    min_row_cosine: 0.95,
     max_row_distance: 0.012,
     strip_reach: 6e-3,
     max_rise: 0.1,

@@ -1,6 +1,6 @@
 //! The viewer: a self-contained page of worn garments, which needs no network and no other file.
 //!
-//! The page shows the GLB of each garment itself, with its materials, normal map, skins and clips; blends or wipes between
+//! The page shows the GLB of each garment itself, with the vertices of its worn surface where it has no map of that, its materials, normal map, skins and clips; blends or wipes between
 //! source and worn shape; colours by a quantity; describes the point under the pointer and its hinge with the largest
 //! memory; plays clips and the frames of a bake; and shows garments side by side with a common scale and camera. It is drawn
 //! by three.js (`three/`, bundled by `three/build.mjs`); `page/` holds the page itself. Numbers are embedded as 32-bit
@@ -15,6 +15,7 @@ use crease_geometry::math::{Vec3, bounds};
 use crease_geometry::mesh::{INVALID, PointIndex};
 use crease_io::Sidecar;
 use crease_model::garment::{SourceAsset, SourcePiece};
+use crease_model::remesh::FineVertex;
 use serde_json::{Value, json};
 
 const PAGE: &str = include_str!("page/page.html");
@@ -34,6 +35,8 @@ pub struct ViewerItem {
     pub glb: Vec<u8>,
     /// Worn pieces of the file, in its order.
     pub pieces: Vec<ViewerPiece>,
+    /// Per worn piece: vertices of `glb` that the file does not have, as means of those of all worn pieces of the file.
+    pub added: Vec<Vec<FineVertex>>,
     /// Shapes and memory.
     pub view: GarmentView,
     /// Hinges, if there is a sidecar.
@@ -147,14 +150,23 @@ fn garment(item: &ViewerItem) -> Value {
     let points = view.vertex_points.iter().flat_map(|p| p.0.to_le_bytes());
     let Strongest { per_point, list } = strongest(view.before.len(), &item.hinges);
     let (low, size) = frame_box(&item.frames);
+    let added = || item.added.iter().flatten();
+    let of = added().flat_map(|vertex| vertex.of).flat_map(u32::to_le_bytes);
     json!({
         "name": item.name,
         "lies": is_item_lying(item),
         "glb": STANDARD.encode(&item.glb),
         "pieces": item.pieces.iter()
-            .map(|piece| json!({"mesh": piece.mesh, "primitive": piece.primitive, "count": piece.count}))
+            .enumerate()
+            .map(|(k, piece)| {
+                let added = item.added.get(k).map_or(0, Vec::len);
+                json!({"mesh": piece.mesh, "primitive": piece.primitive, "count": piece.count, "added": added})
+            })
             .collect::<Vec<_>>(),
         "points": STANDARD.encode(points.collect::<Vec<u8>>()),
+        "added_of": STANDARD.encode(of.collect::<Vec<u8>>()),
+        "added_weights": floats(added().flat_map(|vertex| vertex.weights)),
+        "added_points": STANDARD.encode(added().flat_map(|vertex| vertex.point.to_le_bytes()).collect::<Vec<u8>>()),
         "fields": ColorBy::ALL.iter().filter_map(|color_by| field(view, *color_by)).collect::<Vec<_>>(),
         "hinge": (!item.hinges.is_empty())
             .then(|| STANDARD.encode(per_point.iter().flat_map(|h| h.to_le_bytes()).collect::<Vec<u8>>())),
@@ -274,8 +286,8 @@ mod tests {
             HingeLabel { points: [1, 2], source_deg: 0.0, rest_deg: -40.0, stiffness: 2.0 },
         ];
         let pieces = vec![ViewerPiece { mesh: 0, primitive: 0, count: view.before.len() }];
-        let (name, glb, frames) = (name.to_owned(), Vec::new(), Vec::new());
-        ViewerItem { name, glb, pieces, view, hinges, frames }
+        let (name, glb, frames, added) = (name.to_owned(), Vec::new(), Vec::new(), Vec::new());
+        ViewerItem { name, glb, pieces, added, view, hinges, frames }
     }
 
     #[test]

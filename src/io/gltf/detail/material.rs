@@ -6,6 +6,7 @@ use crate::gltf::detail::references::{VARIANTS, index_of, variant_mappings};
 use crate::gltf::detail::surface::{ShownSurface, unit_or};
 use crate::gltf::detail::texels::Texels;
 use crate::gltf::embed::image_bytes;
+use crate::gltf::names::WRINKLES_NAME;
 use crate::tuning::TUNING;
 use crease_geometry::math::{Vec2, Vec3};
 use crease_model::garment::GltfDocument;
@@ -190,9 +191,9 @@ impl NormalTextures {
             return *texture;
         }
         let view = appender.bytes(png.to_vec());
-        let image =
-            appender.push("images", json!({"bufferView": view, "mimeType": "image/png", "name": "wrinkles"}));
-        let texture = appender.push("textures", json!({"source": image, "name": "wrinkles"}));
+        let image = appender
+            .push("images", json!({"bufferView": view, "mimeType": "image/png", "name": WRINKLES_NAME}));
+        let texture = appender.push("textures", json!({"source": image, "name": WRINKLES_NAME}));
         self.stored.push((png.to_vec(), texture));
         texture
     }

@@ -27,7 +27,7 @@ use serde_json::{Value, json};
 pub const FINE_EDGE: f64 = 4e-3;
 
 /// GLB of a finer mesh, and its size.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct FineOutput {
     /// GLB file.
     pub glb: Vec<u8>,
@@ -37,6 +37,8 @@ pub struct FineOutput {
     pub triangles: usize,
     /// Pairs of triangles that intersect and whose triangles of the file do not.
     pub crossings: usize,
+    /// Per worn piece: its new vertices, which follow those of the file.
+    pub added: Vec<Vec<FineVertex>>,
 }
 
 /// Writes the worn file `glb` (as [`crate::gltf::write_worn_glb`] wrote it for `detail.coarse`; `asset` is its source) with edges of about
@@ -72,6 +74,7 @@ pub fn write_fine_glb(
         vertices: coarse.source_point.len() + fine.vertices.len(),
         triangles: fine.triangles.len() + flat.iter().map(Vec::len).sum::<usize>(),
         crossings: fine.crossings,
+        added: Vec::with_capacity(pieces.len()),
     };
     for (k, piece) in pieces.iter().enumerate() {
         let vertices: Vec<&FineVertex> = numbers.new[k].iter().map(|v| &fine.vertices[*v]).collect();
@@ -83,6 +86,7 @@ pub fn write_fine_glb(
         let worn_vertices = WornVertex::all(piece, detail, &vertices, &fine.points);
         rows.set_worn(&asset.file, document, piece, &worn_vertices)?;
         rows.write(&mut appender, piece.source, &corners);
+        output.added.push(vertices.into_iter().copied().collect());
     }
     output.glb = appender.into_glb();
     Ok(output)

@@ -1,9 +1,15 @@
 //! Edges of the creases of a simulated mesh: the centre line of each, and the rows beside it, whose angle belongs to the crease.
+//!
+//! A fold bends the mesh along its line, along a row beside it, or along both in turn. What an edge has together with those that run beside it,
+//! its net angle, does not depend on that. Edges are chained by their net angle, and the line where most of it is is the middle. A crease is one
+//! curve: where its net angle is small for a short way, as where it crosses another crease, it goes on along the edges of the mesh.
 
 use crate::remesh::GarmentSurface;
 use crate::remesh::hinge_chains::HingeChain;
 use crate::remesh::tuning::TUNING;
-use crease_geometry::mesh::distance::along_edge;
+use crease_geometry::math::Vec3;
+use rustc_hash::FxHashSet;
+use std::ops::Range;
 
 /// Part of an edge in a crease.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,6 +20,7 @@ enum Part {
 }
 
 /// Edges of the creases of a mesh.
+#[derive(Debug)]
 pub(super) struct CreaseEdges {
     /// Per hinge.
     part: Vec<Part>,
@@ -25,39 +32,94 @@ pub(super) struct CreaseEdges {
     pub lines: Vec<(Vec<u32>, Vec<u32>)>,
 }
 
+/// The hinges of a mesh that run beside one another.
+struct ParallelEdges<'a> {
+    mesh: &'a GarmentSurface,
+    /// Per point: the hinges at it.
+    at_point: Vec<Vec<u32>>,
+}
+
 impl CreaseEdges {
     /// Finds the creases of `mesh` among its hinges, whose rest angles changed by `changes` [rad].
     pub fn find(mesh: &GarmentSurface, changes: &[f64]) -> Self {
-        let strong = |h: usize| changes[h].abs() >= TUNING.min_crease_angle;
+        let beside = ParallelEdges::new(mesh);
+        let net: Vec<f64> = (0..changes.len()).map(|h| beside.net(h, |g| changes[g])).collect();
+        let strong = |h: usize| net[h].abs() >= TUNING.min_crease_angle;
         let mut chains = HingeChain::all(&mesh.points, &mesh.topology, strong, TUNING.min_crease_cosine);
         chains.retain(|chain| chain.length >= TUNING.min_crease_length);
+        // Edges beside count half: where the cloth bends along a row alone, that is the middle.
         let weight = |chain: &HingeChain| -> f64 {
-            let each = chain.edges().map(|(ends, h)| {
-                let [a, b] = [ends[0], ends[1]].map(|p| mesh.points[p as usize]);
-                (a - b).norm() * changes[*h as usize].abs()
-            });
-            each.sum()
+            let each = chain.hinges.iter().map(|h| *h as usize);
+            each.map(|h| beside.length(h) * 0.5 * (net[h] + changes[h]).abs()).sum()
         };
-        let mut ranked: Vec<(f64, HingeChain)> = chains.into_iter().map(|c| (weight(&c), c)).collect();
+        let traced = |chain| beside.traced(chain, strong);
+        let mut ranked: Vec<(f64, HingeChain)> =
+            chains.into_iter().map(traced).map(|c| (weight(&c), c)).collect();
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.points.cmp(&b.1.points)));
-        let mut part = vec![Part::None; changes.len()];
-        // Per point: the centre edges at it.
-        let mut centre_at: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
+        let count = changes.len();
+        let mut found = Self {
+            part: vec![Part::None; count],
+            centre_of: vec![None; count],
+            strip: Vec::new(),
+            lines: Vec::new(),
+        };
         for (_, chain) in &ranked {
-            let beside: Vec<bool> = chain.hinges.iter().map(|h| is_row(mesh, &centre_at, *h)).collect();
-            let rows = beside.iter().filter(|beside| **beside).count();
-            let all_rows = 2 * rows > beside.len();
-            for (h, beside) in chain.hinges.iter().zip(beside) {
-                part[*h as usize] = if beside || all_rows { Part::Row } else { Part::Centre };
+            found.add(chain, &beside, changes);
+        }
+        found.strip = strip_triangles(mesh, &found.part);
+        found
+    }
+
+    /// Takes the runs of `chain` that are left by stronger ones as centre lines, with the rows beside them.
+    fn add(&mut self, chain: &HingeChain, beside: &ParallelEdges, changes: &[f64]) {
+        for run in self.runs_left(chain, beside, changes) {
+            let hinges = &chain.hinges[run.clone()];
+            for h in hinges {
+                self.part[*h as usize] = Part::Centre;
+                self.centre_of[*h as usize] = None;
             }
-            for h in chain.hinges.iter().filter(|h| part[**h as usize] == Part::Centre) {
-                let ends = &mesh.topology.hinges[*h as usize].points[..2];
-                ends.iter().for_each(|p| centre_at[p.at()].push(*h));
+            for h in hinges {
+                for row in beside.sides(*h as usize).into_iter().flatten().map(|row| row as usize) {
+                    if self.part[row] == Part::Centre {
+                        continue;
+                    }
+                    self.part[row] = Part::Row;
+                    let nearer = |other: u32| beside.distance(row, *h) < beside.distance(row, other);
+                    if self.centre_of[row].is_none_or(nearer) {
+                        self.centre_of[row] = Some(*h);
+                    }
+                }
+            }
+            self.lines.push((chain.points[run.start..=run.end].to_vec(), hinges.to_vec()));
+        }
+    }
+
+    /// The runs of hinges of `chain` that are in no crease and beside none, from strong hinge to strong hinge.
+    fn runs_left(&self, chain: &HingeChain, beside: &ParallelEdges, changes: &[f64]) -> Vec<Range<usize>> {
+        let free = |g: usize| if self.part[g] == Part::None { changes[g] } else { 0.0 };
+        // A second line of the same fold: beside a row of a stronger one, and bent to the same side.
+        let is_taken = |g: u32, net: f64| match self.part[g as usize] {
+            Part::None => false,
+            Part::Centre => true,
+            Part::Row => self.centre_of[g as usize].is_some_and(|c| net * changes[c as usize] > 0.0),
+        };
+        let mut runs = Vec::new();
+        // Of the run so far: the range from its first to its last strong hinge, and the length of the strong ones [m].
+        let mut run: Option<(Range<usize>, f64)> = None;
+        let mut close = |run: Option<(Range<usize>, f64)>| {
+            runs.extend(run.filter(|(_, length)| *length >= TUNING.min_crease_length).map(|(run, _)| run));
+        };
+        for (k, h) in chain.hinges.iter().map(|h| *h as usize).enumerate() {
+            let net = beside.net(h, free);
+            if self.part[h] != Part::None || beside.sides(h).into_iter().flatten().any(|g| is_taken(g, net)) {
+                close(run.take());
+            } else if net.abs() >= TUNING.min_crease_angle {
+                let (range, length) = run.take().unwrap_or((k..k, 0.0));
+                run = Some((range.start..k + 1, length + beside.length(h)));
             }
         }
-        let strip = strip_triangles(mesh, &part);
-        let lines = ranked.iter().flat_map(|(_, chain)| centre_lines(chain, &part)).collect();
-        Self { centre_of: centres_of_rows(mesh, &part), part, strip, lines }
+        close(run);
+        runs
     }
 
     /// Per hinge on a centre line: its change among `changes` [rad], with those of the rows beside it by their length; 0 for others.
@@ -91,60 +153,111 @@ impl CreaseEdges {
     }
 }
 
-/// The parts of `chain` that are on a centre line: points, and the hinges between them.
-fn centre_lines(chain: &HingeChain, part: &[Part]) -> Vec<(Vec<u32>, Vec<u32>)> {
-    let mut lines: Vec<(Vec<u32>, Vec<u32>)> = Vec::new();
-    let mut goes_on = false;
-    for (ends, h) in chain.edges() {
-        let is_centre = part[*h as usize] == Part::Centre;
-        if is_centre && !goes_on {
-            lines.push((vec![ends[0]], Vec::new()));
+impl<'a> ParallelEdges<'a> {
+    fn new(mesh: &'a GarmentSurface) -> Self {
+        let mut at_point: Vec<Vec<u32>> = vec![Vec::new(); mesh.points.len()];
+        for (h, hinge) in mesh.topology.hinges.iter().enumerate() {
+            hinge.points[..2].iter().for_each(|p| at_point[p.at()].push(h as u32));
         }
-        if let Some((points, hinges)) = lines.last_mut().filter(|_| is_centre) {
-            points.push(ends[1]);
-            hinges.push(*h);
-        }
-        goes_on = is_centre;
+        Self { mesh, at_point }
     }
-    lines
-}
 
-/// Whether hinge `h` runs beside a centre edge: a triangle at it touches one about parallel to it that does not go on from it.
-fn is_row(mesh: &GarmentSurface, centre_at: &[Vec<u32>], h: u32) -> bool {
-    let hinge = &mesh.topology.hinges[h as usize];
-    let direction = |h: u32| {
-        let [a, b, ..] = mesh.topology.hinges[h as usize].points.map(|p| mesh.points[p.at()]);
-        (b - a).try_normalize(0.0)
-    };
-    let Some(own) = direction(h) else { return false };
-    let [a, b, c, d] = hinge.points;
-    let reach = |p| {
-        let [x, y, z] = [a, b, p].map(|p| mesh.points[p.at()]);
-        (y - x).cross(&(z - x)).norm() / (y - x).norm()
-    };
-    [c, d].into_iter().any(|p| {
-        let parallel = |g: &u32| direction(*g).is_some_and(|g| g.dot(&own).abs() > TUNING.min_row_cosine);
-        reach(p) < TUNING.max_row_distance && centre_at[p.at()].iter().any(parallel)
-    })
-}
+    fn ends(&self, h: usize) -> [Vec3; 2] {
+        let [a, b, ..] = self.mesh.topology.hinges[h].points.map(|p| self.mesh.points[p.at()]);
+        [a, b]
+    }
 
-/// Per hinge of a row: the closest hinge of a centre line, as far as it is within the reach of rows.
-fn centres_of_rows(mesh: &GarmentSurface, part: &[Part]) -> Vec<Option<u32>> {
-    let ends = |h: usize| mesh.topology.hinges[h].points.map(|p| mesh.points[p.at()]);
-    let centre: Vec<usize> = (0..part.len()).filter(|h| part[*h] == Part::Centre).collect();
-    let closest = |row: usize| {
-        let [a, b, ..] = ends(row);
-        let middle = 0.5 * (a + b);
-        let squared = |h: &usize| {
-            let [a, b, ..] = ends(*h);
-            let part = along_edge(&middle, &a, &b);
-            (middle - a - (b - a) * part).norm_squared()
+    /// Length of hinge `h` [m].
+    fn length(&self, h: usize) -> f64 {
+        let [a, b] = self.ends(h);
+        (b - a).norm()
+    }
+
+    /// Distance between the middles of two hinges [m].
+    fn distance(&self, h: usize, g: u32) -> f64 {
+        let [[a, b], [c, d]] = [self.ends(h), self.ends(g as usize)];
+        0.5 * (a + b - c - d).norm()
+    }
+
+    /// The hinges beside hinge `h`, on either side: those about parallel to it at the opposite corner of its triangle, if that is near.
+    fn sides(&self, h: usize) -> [Vec<u32>; 2] {
+        let [a, b] = self.ends(h);
+        let [.., c, d] = self.mesh.topology.hinges[h].points;
+        let Some(own) = (b - a).try_normalize(0.0) else { return [Vec::new(), Vec::new()] };
+        [c, d].map(|p| {
+            if own.cross(&(self.mesh.points[p.at()] - a)).norm() >= TUNING.max_row_distance {
+                return Vec::new();
+            }
+            let is_parallel = |g: &u32| {
+                let [a, b] = self.ends(*g as usize);
+                (b - a).try_normalize(0.0).is_some_and(|g| g.dot(&own).abs() > TUNING.min_row_cosine)
+            };
+            self.at_point[p.at()].iter().copied().filter(is_parallel).collect()
+        })
+    }
+
+    /// `chain`, continued straight on from both ends as long as `strong` hinges follow before long.
+    fn traced(&self, chain: HingeChain, strong: impl Fn(usize) -> bool) -> HingeChain {
+        let HingeChain { mut points, mut hinges, .. } = chain;
+        for _ in 0..2 {
+            let (more_points, more_hinges) = self.beyond(&points, &hinges, &strong);
+            points.extend(more_points);
+            hinges.extend(more_hinges);
+            points.reverse();
+            hinges.reverse();
+        }
+        let length = hinges.iter().map(|h| self.length(*h as usize)).sum();
+        HingeChain { points, hinges, length }
+    }
+
+    /// Points and hinges by which [`Self::traced`] continues a chain beyond its last point.
+    fn beyond(&self, points: &[u32], hinges: &[u32], strong: impl Fn(usize) -> bool) -> (Vec<u32>, Vec<u32>) {
+        let (mut more_points, mut more_hinges) = (Vec::new(), Vec::new());
+        let [.., mut from, mut at] = *points else { return (more_points, more_hinges) };
+        let mut used: FxHashSet<u32> = hinges.iter().copied().collect();
+        let (mut gap, mut kept) = (0.0, 0);
+        while gap < TUNING.max_crease_gap {
+            let x = |p: u32| self.mesh.points[p as usize];
+            let Some(ahead) = (x(at) - x(from)).try_normalize(0.0) else { break };
+            let next = self.at_point[at as usize].iter().filter(|h| !used.contains(h)).map(|h| {
+                let [a, b, ..] = self.mesh.topology.hinges[*h as usize].points;
+                let to = if a.0 == at { b.0 } else { a.0 };
+                let cosine = (x(to) - x(at)).try_normalize(0.0).map_or(-1.0, |onward| onward.dot(&ahead));
+                (cosine, *h, to)
+            });
+            let Some((cosine, h, to)) = next.max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))) else {
+                break;
+            };
+            if cosine < TUNING.min_traced_cosine {
+                break;
+            }
+            used.insert(h);
+            more_points.push(to);
+            more_hinges.push(h);
+            if strong(h as usize) {
+                (gap, kept) = (0.0, more_hinges.len());
+            } else {
+                gap += self.length(h as usize);
+            }
+            (from, at) = (at, to);
+        }
+        more_points.truncate(kept);
+        more_hinges.truncate(kept);
+        (more_points, more_hinges)
+    }
+
+    /// The angle `change` of hinge `h` with the mean of those beside it on either side.
+    fn net(&self, h: usize, change: impl Fn(usize) -> f64) -> f64 {
+        let of_side = |side: Vec<u32>| {
+            let (mut sum, mut length) = (0.0, 0.0);
+            for g in side.into_iter().map(|g| g as usize) {
+                sum += change(g) * self.length(g);
+                length += self.length(g);
+            }
+            if length > 0.0 { sum / length } else { 0.0 }
         };
-        let nearest = centre.iter().map(|h| (squared(h), *h as u32)).min_by(|x, y| x.0.total_cmp(&y.0));
-        nearest.filter(|(d, _)| *d < TUNING.max_row_distance.powi(2)).map(|(_, h)| h)
-    };
-    let of = |(h, part): (usize, &Part)| if *part == Part::Row { closest(h) } else { None };
-    part.iter().enumerate().map(of).collect()
+        change(h) + self.sides(h).map(of_side).iter().sum::<f64>()
+    }
 }
 
 /// Triangles between a centre line and a row beside it.

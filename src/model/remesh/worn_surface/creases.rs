@@ -39,6 +39,37 @@ impl Crease {
     }
 }
 
+/// Crease of a memory as hinges of the mesh that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CreaseChain {
+    /// Points along it, two at least.
+    pub points: Vec<u32>,
+    /// Hinge between each two of them.
+    pub hinges: Vec<u32>,
+    /// Change of the rest angle there [rad], with that of the rows beside it.
+    pub angle: Vec<f64>,
+    /// Hinges of the rows beside each of `hinges`.
+    pub rows: Vec<Vec<u32>>,
+}
+
+impl CreaseChain {
+    /// The creases of `memory` on `mesh`, the strongest first.
+    pub fn all(mesh: &GarmentSurface, memory: &RestState) -> Vec<Self> {
+        let changes: Vec<f64> = memory.angle_changes().collect();
+        let edges = CreaseEdges::find(mesh, &changes);
+        let angles = edges.net_angles(mesh, &changes);
+        let mut rows: Vec<Vec<u32>> = vec![Vec::new(); changes.len()];
+        edges.rows().for_each(|(row, centre)| rows[centre].push(row as u32));
+        let of_line = |(points, hinges): &(Vec<u32>, Vec<u32>)| Self {
+            points: points.clone(),
+            hinges: hinges.clone(),
+            angle: hinges.iter().map(|h| angles[*h as usize]).collect(),
+            rows: hinges.iter().map(|h| rows[*h as usize].clone()).collect(),
+        };
+        edges.lines.iter().map(of_line).collect()
+    }
+}
+
 /// Search for places of a mesh on a garment.
 struct Places<'a> {
     garment: &'a Garment,
@@ -73,35 +104,67 @@ mod tests {
     use super::*;
     use crease_geometry::mesh::hinge_angle;
 
-    #[test]
-    fn a_fold_is_one_crease_with_the_angle_of_its_rows() {
-        // A sheet of squares of 8 mm, folded along x = 40 mm, whose hinges beside that line keep a part of the angle.
+    /// A sheet of squares of 8 mm with a memory of its edges along z: `change` [rad] by the distance from its middle in squares, and by the fraction
+    /// of its length; and the x of that middle [m].
+    fn folded(change: impl Fn(i32, f64) -> f64) -> (Garment, RestState, f64) {
         let garment = Garment::sheet([0.08, 0.16], [10, 20]).expect("is a sheet");
         let mesh = GarmentSurface::without_texture(&garment);
-        let middle = garment.points.iter().map(|x| x.x).sum::<f64>() / garment.points.len() as f64;
-        let (hinges, triangles) = (mesh.topology.hinges.len(), mesh.triangles.len());
-        let mut memory = RestState::new(
-            mesh.topology
-                .hinges
-                .iter()
-                .map(|h| hinge_angle(&h.points.map(|p| mesh.points[p.at()])))
-                .collect(),
-            triangles,
-        );
-        for h in 0..hinges {
-            let [a, b, ..] = mesh.topology.hinges[h].points.map(|p| mesh.points[p.at()]);
-            if (a.x - b.x).abs() > 1e-9 {
-                continue;
+        let middle = mesh.points.iter().map(|x| x.x).sum::<f64>() / mesh.points.len() as f64;
+        let low = mesh.points.iter().map(|x| x.z).fold(f64::INFINITY, f64::min);
+        let angle = |h: &crease_geometry::mesh::Hinge| hinge_angle(&h.points.map(|p| mesh.points[p.at()]));
+        let mut memory =
+            RestState::new(mesh.topology.hinges.iter().map(angle).collect(), mesh.triangles.len());
+        for (h, hinge) in mesh.topology.hinges.iter().enumerate() {
+            let [a, b, ..] = hinge.points.map(|p| mesh.points[p.at()]);
+            if (a.x - b.x).abs() < 1e-9 {
+                let column = ((a.x - middle) / 8e-3).round() as i32;
+                memory.rest_angle[h] += change(column, (0.5 * (a.z + b.z) - low) / 0.16);
             }
-            let offset = (a.x - middle).abs();
-            memory.rest_angle[h] += if offset < 1e-6 {
-                1.0
-            } else if offset < 9e-3 {
-                0.3
-            } else {
-                0.0
-            };
         }
+        (garment, memory, middle)
+    }
+
+    #[test]
+    fn a_fold_that_bends_along_its_line_and_a_row_in_turn_is_one_straight_crease() {
+        let in_turn = |column: i32, part: f64| match (column, part < 0.4, part < 0.6) {
+            (0, true, _) | (1, _, false) => 1.5,
+            (0 | 1, false, true) => 0.75,
+            _ => 0.0,
+        };
+        let (garment, memory, middle) = folded(in_turn);
+        let mesh = GarmentSurface::without_texture(&garment);
+        let found = Crease::find(&mesh, &memory, &garment, 2e-3);
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert_eq!(found[0].places.len(), 21);
+        let x = |at: &SurfacePoint| -> f64 {
+            let t = garment.triangles[at.face as usize].map(|p| garment.points[p.at()].x);
+            (0..3).map(|k| t[k] * at.weights[k]).sum()
+        };
+        let first = x(&found[0].places[0]);
+        assert!((first - middle).abs() < 8.1e-3);
+        assert!(found[0].places.iter().all(|at| (x(at) - first).abs() < 1e-9));
+        assert!(found[0].angle.iter().all(|angle| (angle - 1.5).abs() < 1e-9), "{:?}", found[0].angle);
+    }
+
+    #[test]
+    fn a_crease_goes_on_where_its_angle_is_small_for_a_short_way() {
+        let with_gap =
+            |column: i32, part: f64| if column == 0 && !(0.4..0.6).contains(&part) { 1.0 } else { 0.0 };
+        let (garment, memory, _) = folded(with_gap);
+        let mesh = GarmentSurface::without_texture(&garment);
+        let found = Crease::find(&mesh, &memory, &garment, 2e-3);
+        assert_eq!(found.iter().map(|crease| crease.places.len()).collect::<Vec<_>>(), [21]);
+    }
+
+    #[test]
+    fn a_fold_is_one_crease_with_the_angle_of_its_rows() {
+        // The hinges beside the line keep a part of the angle.
+        let (garment, memory, middle) = folded(|column, _| match column {
+            0 => 1.0,
+            -1 | 1 => 0.3,
+            _ => 0.0,
+        });
+        let mesh = GarmentSurface::without_texture(&garment);
         let found = Crease::find(&mesh, &memory, &garment, 2e-3);
         assert_eq!(found.len(), 1, "{found:?}");
         assert_eq!((found[0].places.len(), found[0].angle.len()), (21, 20));

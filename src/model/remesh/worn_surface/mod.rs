@@ -18,7 +18,7 @@ mod panels;
 mod sided_search;
 
 pub use crease_distance::{CreaseDistances, NearCrease};
-pub use creases::Crease;
+pub use creases::{Crease, CreaseChain};
 pub use opened_memory::opened_memory;
 
 use crate::garment::WornGarment;

@@ -27,7 +27,7 @@ class Garment {
     this.item = item;
     this.maps = maps;
     this.fields = item.fields.map((field) => ({ ...field, values: new Float32Array(bytesOf(field.values)) }));
-    this.points = new Uint32Array(bytesOf(item.points));
+    this.addVertices(item);
     this.hinge = item.hinge ? new Uint32Array(bytesOf(item.hinge)) : null;
     this.clips = gltf.animations;
     this.mixer = this.clips.length ? new THREE.AnimationMixer(gltf.scene) : null;
@@ -46,6 +46,49 @@ class Garment {
     this.shown = this.samplePoints();
   }
 
+  /**
+   * Vertices of all worn pieces as they are drawn. Those of the file are points; those that the worn surface has beside them, which follow
+   * in each piece, are means of three, with a number of their own.
+   */
+  addVertices(item) {
+    const points = new Uint32Array(bytesOf(item.points));
+    const [of, own] = [item.added_of, item.added_points].map((text) => new Uint32Array(bytesOf(text)));
+    const weights = new Float32Array(bytesOf(item.added_weights));
+    const count = item.pieces.reduce((sum, piece) => sum + piece.count + piece.added, 0);
+    this.points = new Uint32Array(count);
+    this.means = { points: new Uint32Array(3 * count), weights: new Float32Array(3 * count) };
+    let [v, file, added] = [0, 0, 0];
+    for (const piece of item.pieces) {
+      for (let k = 0; k < piece.count; k++, v++, file++) {
+        this.points[v] = points[file];
+        this.means.points.fill(points[file], 3 * v, 3 * v + 3);
+        this.means.weights[3 * v] = 1;
+      }
+      for (let k = 0; k < piece.added; k++, v++, added++) {
+        this.points[v] = own[added];
+        for (let j = 0; j < 3; j++) {
+          this.means.points[3 * v + j] = points[of[3 * added + j]];
+          this.means.weights[3 * v + j] = weights[3 * added + j];
+        }
+      }
+    }
+    this.pointCount = this.points.reduce((most, point) => Math.max(most, point + 1), 0);
+  }
+
+  /** The value of vertex `v` from those of points; `stride` values each, the one at `offset`. */
+  mean(values, v, stride = 1, offset = 0) {
+    const { points, weights } = this.means;
+    let sum = 0;
+    for (let k = 3 * v; k < 3 * v + 3; k++) if (weights[k] > 0) sum += weights[k] * values[stride * points[k] + offset];
+    return sum;
+  }
+
+  /** The point of the file next to vertex `v`. */
+  nearestPoint(v) {
+    const { points, weights } = this.means;
+    return points[[3 * v, 3 * v + 1, 3 * v + 2].reduce((best, k) => (weights[k] > weights[best] ? k : best))];
+  }
+
   /** Meshes of the worn pieces; each with its vertices among all of them. */
   findParts(gltf) {
     const parts = [];
@@ -53,14 +96,16 @@ class Garment {
     let start = 0;
     for (const piece of this.item.pieces) {
       starts.push(start);
-      start += piece.count;
+      start += piece.count + piece.added;
     }
     gltf.scene.traverse((object) => {
       const link = object.isMesh && gltf.parser.associations.get(object);
       if (!link) return;
       const at = this.item.pieces.findIndex((p) => p.mesh === link.meshes && p.primitive === (link.primitives ?? 0));
-      if (at < 0 || object.geometry.attributes.position.count !== this.item.pieces[at].count) return;
-      parts.push({ mesh: object, start: starts[at], count: this.item.pieces[at].count });
+      if (at < 0) return;
+      const count = this.item.pieces[at].count + this.item.pieces[at].added;
+      if (object.geometry.attributes.position.count !== count) return;
+      parts.push({ mesh: object, start: starts[at], count });
     });
     return parts;
   }
@@ -126,7 +171,7 @@ class Garment {
     const out = new Float32Array(3 * part.count);
     const colour = new THREE.Color();
     for (let v = 0; v < part.count; v++) {
-      const value = field.values[this.points[part.start + v]];
+      const value = this.mean(field.values, part.start + v);
       const [r, g, b] = Number.isFinite(value) ? colourAt(stops, (value - low) / (high - low)) : [150, 150, 150];
       colour.setRGB(r / 255, g / 255, b / 255, THREE.SRGBColorSpace).toArray(out, 3 * v);
     }
@@ -166,8 +211,9 @@ class Garment {
     for (const [k, mesh] of this.frameParts.entries()) {
       const { position, normal } = mesh.geometry.attributes;
       for (let v = 0; v < position.count; v++) {
-        const p = 3 * this.points[this.parts[k].start + v];
-        position.setXYZ(v, x[p], x[p + 1], x[p + 2]);
+        const own = this.parts[k].start + v;
+        const p = 3 * this.points[own];
+        position.setXYZ(v, ...[0, 1, 2].map((j) => this.mean(x, own, 3, j)));
         normal.setXYZ(v, normals[p], normals[p + 1], normals[p + 2]);
       }
       position.needsUpdate = normal.needsUpdate = true;
@@ -191,16 +237,16 @@ class Garment {
   }
 
   normalsOf(x) {
-    const sum = new Float32Array(x.length);
+    const sum = new Float32Array(3 * this.pointCount);
     const [a, b, c] = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
     for (const part of this.parts) {
       const index = part.mesh.geometry.index;
       const count = index ? index.count : part.count;
       for (let k = 0; k + 2 < count; k += 3) {
-        const corners = [0, 1, 2].map((j) => 3 * this.points[part.start + (index ? index.getX(k + j) : k + j)]);
-        [a, b, c].forEach((v, j) => v.fromArray(x, corners[j]));
+        const corners = [0, 1, 2].map((j) => part.start + (index ? index.getX(k + j) : k + j));
+        [a, b, c].forEach((at, j) => at.set(...[0, 1, 2].map((axis) => this.mean(x, corners[j], 3, axis))));
         b.sub(a).cross(c.sub(a));
-        for (const p of corners) for (let j = 0; j < 3; j++) sum[p + j] += b.getComponent(j);
+        for (const p of corners.map((v) => 3 * this.points[v])) for (let j = 0; j < 3; j++) sum[p + j] += b.getComponent(j);
       }
     }
     for (let p = 0; p < sum.length; p += 3) {
@@ -263,7 +309,7 @@ class Garment {
     const corners = [hit.face.a, hit.face.b, hit.face.c];
     const at = (v) => hit.object.getVertexPosition(v, new THREE.Vector3()).applyMatrix4(hit.object.matrixWorld);
     const nearest = corners.map((v) => ({ v, x: at(v) })).sort((p, q) => p.x.distanceTo(hit.point) - q.x.distanceTo(hit.point))[0];
-    return { position: nearest.x, text: this.describe(this.points[part.start + nearest.v]) };
+    return { position: nearest.x, text: this.describe(this.nearestPoint(part.start + nearest.v)) };
   }
 
   describe(point) {
