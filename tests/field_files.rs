@@ -527,7 +527,10 @@ fn damaged_compression_is_refused() {
         let error = error.to_string();
         assert!(error.contains("bufferViews[") && error.contains(what), "{what}: {error}");
     }
-    let draco = packed_sheet(|json| json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]));
+    let draco = packed_sheet(|json| {
+        json["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]);
+        json["meshes"][0]["primitives"][0]["extensions"] = json!({"KHR_draco_mesh_compression": {}});
+    });
     let error = read_with("draco.glb", &draco, &ReadOptions::default()).expect_err("is refused").to_string();
     assert!(
         error.contains("requires KHR_draco_mesh_compression") && error.contains("gltf-transform"),

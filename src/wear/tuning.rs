@@ -37,8 +37,8 @@ pub(super) struct FoldTuning {
     /// Distance from the line [m], default 0.025, within which springs hold the resting part while the flap turns; beyond, it is
     /// fixed. A wider strip is lifted with the flap where layers bulge, and bends beside the line.
     pub held_width: f64,
-    /// Distance from the line and from the bend of the stack [m], default 0.03, beyond which flat cloth stays where the map of the fold has
-    /// it once the flap is turned over.
+    /// Distance from the line and from the bend of the stack [m], default 0.03, twice that for a garment that was laid out, beyond which flat
+    /// cloth stays where the map of the fold has it once the flap is turned over.
     pub band_width: f64,
     /// Largest slope of cloth that counts as flat [rad], default 0.35.
     pub max_panel_tilt: f64,

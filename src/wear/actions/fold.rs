@@ -180,12 +180,13 @@ impl WearAction for Fold {
             FlapPoint { point: p, coords, rise: rise * straight, mass: masses[p as usize] }
         };
         let held = TUNING.fold.held_width;
-        // On the side of the flap the outermost layer bends over half a turn around the stack.
-        let (band, bend) = (TUNING.fold.band_width, PI * top);
-        let near_line = |p: &Vec3| (-band..band + bend).contains(&line.beyond(p));
         // Of a garment in the shape of a body some cloth stands up: folds made before would open under it, and others would be made beside
         // their lines. Flat hands stroke the whole stack.
         let is_stroked = !persistent.cut.is_empty();
+        // There more of the cloth finds its place after the flap; on the side of the flap the outermost layer bends over half a turn.
+        let band = if is_stroked { 2.0 } else { 1.0 } * TUNING.fold.band_width;
+        let bend = PI * top;
+        let near_line = |p: &Vec3| (-band..band + bend).contains(&line.beyond(p));
         // The part that stays is held along the line; beyond, it is fixed while the flap turns: nothing moves it.
         let sprung = rest.iter().filter(|&&p| line.beyond(&x[p as usize]) > -held);
         let pin = |&p: &u32| pin_spring(p, x[p as usize], masses[p as usize]);
