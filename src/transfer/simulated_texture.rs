@@ -2,10 +2,11 @@
 //!
 //! Memory is earned on the simulated mesh, whose edges follow the folds; the file's triangles hold a coarser copy. With these
 //! coordinates a match by texture takes the earned memory, too. Every triangle takes the island of the texture that is nearest to its
-//! centroid on the same side of the cloth, and every corner the nearest place of that island, so that corners beside a seam stay on
-//! their own side of it.
+//! centroid on the same side of the cloth, and every corner the nearest place of that island that lies near the centroid in the texture,
+//! too: corners at a seam stay on their own side of it, also where one island meets itself, as on a tube.
 
 use crate::transfer::correspondence::texture_islands;
+use crate::transfer::tuning::TUNING;
 use crease_geometry::math::{Vec2, Vec3};
 use crease_geometry::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
 use crease_model::remesh::GarmentSurface;
@@ -23,16 +24,78 @@ pub(super) fn with_texture_of(simulated: &GarmentSurface, file: &GarmentSurface)
         let agrees = |g: u32| normals[g as usize].dot(&normal) > 0.0;
         let near =
             |x: Vec3, fits: &dyn Fn(u32) -> bool| tree.nearest_where(&file.points, x, f64::INFINITY, fits);
-        let island = islands[near(simulated.centroid(f), &agrees)?.triangle as usize];
+        let middle = near(simulated.centroid(f), &agrees)?;
+        let island = islands[middle.triangle as usize];
         let is_own = |g: u32| islands[g as usize] == island && agrees(g);
-        let [a, b, c] = simulated.corners(f).map(|x| near(x, &is_own).map(|place| uv_at(&place, uvs)));
+        let corners = simulated.corners(f);
+        let radius = corners.iter().map(|x| (x - simulated.centroid(f)).norm()).fold(0.0, f64::max);
+        let reach = TUNING.max_texture_stretch * texture_scale(file, uvs, middle.triangle as usize) * radius;
+        let at = uv_at(&middle, uvs);
+        let is_beside = |g: u32| is_own(g) && distance_beyond(&uvs[g as usize], &at) <= reach;
+        let [a, b, c] =
+            corners.map(|x| near(x, &is_beside).or_else(|| near(x, &is_own)).map(|place| uv_at(&place, uvs)));
         Some([a?, b?, c?])
     });
     let own: Vec<[Vec2; 3]> = own.collect::<Option<_>>()?;
     Some(GarmentSurface { uvs: Some(own), ..simulated.clone() })
 }
 
+/// Length in the texture of one metre of triangle `f` of `surface` [1/m]; 0 for one without area.
+fn texture_scale(surface: &GarmentSurface, uvs: &[[Vec2; 3]], f: usize) -> f64 {
+    let [a, b, c] = surface.corners(f);
+    let area = (b - a).cross(&(c - a)).norm();
+    let [u, v, w] = uvs[f];
+    if area > 0.0 { ((v - u).perp(&(w - u)).abs() / area).sqrt() } else { 0.0 }
+}
+
+/// Distance of `at` from the circle around the middle of a triangle of the texture through its farthest corner.
+fn distance_beyond(triangle: &[Vec2; 3], at: &Vec2) -> f64 {
+    let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
+    let radius = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
+    (middle - at).norm() - radius
+}
+
 /// Texture coordinates at a place of the file's surface.
 fn uv_at(place: &NearestTriangle, uvs: &[[Vec2; 3]]) -> Vec2 {
     uvs[place.triangle as usize].iter().zip(place.weights()).map(|(uv, w)| uv * w).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crease_geometry::mesh::{PointIndex, Topology};
+    use std::f64::consts::TAU;
+
+    /// A tube of radius and height 0.1 m with `count` columns, the first of which begins at `start` of a turn. One island of the texture
+    /// covers it and meets itself at the beginning of a turn.
+    fn tube(count: u32, start: f64) -> GarmentSurface {
+        let turn = |k: u32| start + f64::from(k) / f64::from(count);
+        let point = |k: u32, y: f64| Vec3::new(0.1 * (TAU * turn(k)).cos(), y, 0.1 * (TAU * turn(k)).sin());
+        let points: Vec<Vec3> = (0..count).flat_map(|k| [point(k, 0.0), point(k, 0.1)]).collect();
+        let columns = (0..count).map(|k| (k, (k + 1) % count));
+        let triangles: Vec<[PointIndex; 3]> = columns
+            .flat_map(|(k, n)| [[2 * k, 2 * k + 1, 2 * n], [2 * n, 2 * k + 1, 2 * n + 1]])
+            .map(|t| t.map(PointIndex))
+            .collect();
+        let uvs = (0..count)
+            .flat_map(|k| {
+                let [l, r] = [k, k + 1].map(turn);
+                [[[l, 0.0], [l, 1.0], [r, 0.0]], [[r, 0.0], [l, 1.0], [r, 1.0]]]
+            })
+            .map(|t| t.map(|[u, v]| Vec2::new(u, v)))
+            .collect();
+        let topology = Topology::new(points.len(), &triangles);
+        GarmentSurface { points, triangles, topology, uvs: Some(uvs), warp: None }
+    }
+
+    #[test]
+    fn an_island_that_meets_itself_is_not_crossed() {
+        let file = tube(24, 0.0);
+        let simulated = GarmentSurface { uvs: None, ..tube(40, 0.0) };
+        let textured = with_texture_of(&simulated, &file).expect("lies on it");
+        for uv in textured.uvs.expect("has a texture") {
+            let width = [0, 1, 2].map(|k| (uv[k].x - uv[(k + 1) % 3].x).abs());
+            assert!(width.iter().all(|width| *width < 0.1), "{uv:?}");
+        }
+    }
 }
