@@ -176,8 +176,14 @@ pub(super) fn make(options: &ChartOptions) -> Result<Chart> {
         series.push(Series::new(&format!("crease, {} mm", 1e3 * element), number, Mark::Rings, points));
     }
     let notes = vec![
-        format!("largest difference of converged rows from the reference: {:.1} percentage points", 100.0 * largest),
-        format!("{} of {all} rows did not converge: crosses in the picture, not in that difference", left.len()),
+        format!(
+            "largest difference of converged rows from the reference: {:.1} percentage points",
+            100.0 * largest
+        ),
+        format!(
+            "{} of {all} rows did not converge: crosses in the picture, not in that difference",
+            left.len()
+        ),
     ];
     series.push(Series::new("not converged", BLACK, Mark::Crosses, left));
     let panel = Panel {

@@ -83,7 +83,9 @@ fn add_recovery(table: &mut Table, notes: &mut Vec<String>) -> Result<Panel> {
         }
         let mark = if number == 0 { Mark::Rings } else { Mark::Crosses };
         series.push(Series::new(&format!("guard on the {name}"), number, mark, points));
-        notes.push(format!("guard on the {name}: {inside} of {known} fabrics recover within their published range"));
+        notes.push(format!(
+            "guard on the {name}: {inside} of {known} fabrics recover within their published range"
+        ));
     }
     let y = Axis { names: names.iter().rev().map(|n| (*n).to_owned()).collect(), ..Axis::default() };
     Ok(Panel {
@@ -117,7 +119,8 @@ fn add_strips(
             let (mean, summary) = summarise(falls, &without);
             series[number].points.extend(mean.map(|mean| [points as f64, mean]));
             let label = guard.map_or("no memory".into(), |guard| format!("guard on the {guard}"));
-            notes.push(format!("{name} of {points} points, {label}: {}", summary.describe(mean, falls.len())));
+            notes
+                .push(format!("{name} of {points} points, {label}: {}", summary.describe(mean, falls.len())));
             let times = || falls.iter().filter_map(|fall| fall.stabilised);
             table.push([
                 name.into(),
@@ -159,8 +162,11 @@ struct Compared {
 impl Compared {
     fn describe(&self, mean: Option<f64>, starts: usize) -> String {
         let Self { sooner, later, iterations } = self;
-        let mean = mean.map_or("not all at rest within 20 s".into(), |mean| format!("{mean:.2} s to rest in the mean"));
-        format!("{mean} of {starts} starts, {sooner} sooner and {later} later than without, {iterations:.0} iterations")
+        let mean = mean
+            .map_or("not all at rest within 20 s".into(), |mean| format!("{mean:.2} s to rest in the mean"));
+        format!(
+            "{mean} of {starts} starts, {sooner} sooner and {later} later than without, {iterations:.0} iterations"
+        )
     }
 }
 

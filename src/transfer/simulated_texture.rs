@@ -8,6 +8,7 @@
 use crate::transfer::correspondence::texture_islands;
 use crate::transfer::tuning::TUNING;
 use crease_geometry::math::{Vec2, Vec3};
+use crease_geometry::mesh::distance::point_triangle_squared;
 use crease_geometry::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
 use crease_model::remesh::GarmentSurface;
 
@@ -31,7 +32,7 @@ pub(super) fn with_texture_of(simulated: &GarmentSurface, file: &GarmentSurface)
         let radius = corners.iter().map(|x| (x - simulated.centroid(f)).norm()).fold(0.0, f64::max);
         let reach = TUNING.max_texture_stretch * texture_scale(file, uvs, middle.triangle as usize) * radius;
         let at = uv_at(&middle, uvs);
-        let is_beside = |g: u32| is_own(g) && distance_beyond(&uvs[g as usize], &at) <= reach;
+        let is_beside = |g: u32| is_own(g) && distance_in_texture(&uvs[g as usize], &at) <= reach;
         let [a, b, c] =
             corners.map(|x| near(x, &is_beside).or_else(|| near(x, &is_own)).map(|place| uv_at(&place, uvs)));
         Some([a?, b?, c?])
@@ -48,11 +49,10 @@ fn texture_scale(surface: &GarmentSurface, uvs: &[[Vec2; 3]], f: usize) -> f64 {
     if area > 0.0 { ((v - u).perp(&(w - u)).abs() / area).sqrt() } else { 0.0 }
 }
 
-/// Distance of `at` from the circle around the middle of a triangle of the texture through its farthest corner.
-fn distance_beyond(triangle: &[Vec2; 3], at: &Vec2) -> f64 {
-    let middle = (triangle[0] + triangle[1] + triangle[2]) / 3.0;
-    let radius = triangle.iter().map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
-    (middle - at).norm() - radius
+/// Distance of `at` from a triangle of the texture.
+fn distance_in_texture(triangle: &[Vec2; 3], at: &Vec2) -> f64 {
+    let [p, a, b, c] = [at, &triangle[0], &triangle[1], &triangle[2]].map(|uv| Vec3::new(uv.x, uv.y, 0.0));
+    point_triangle_squared(&p, &a, &b, &c).sqrt()
 }
 
 /// Texture coordinates at a place of the file's surface.
