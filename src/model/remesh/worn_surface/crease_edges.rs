@@ -1,7 +1,7 @@
 //! Edges of the creases of a simulated mesh: the centre line of each, and the rows beside it, whose angle belongs to the crease.
 //!
 //! A fold bends the mesh along its line, along a row beside it, or along both in turn. What an edge has together with those that run beside it,
-//! its net angle, does not depend on that. Edges are chained by their net angle, and the line where most of it is is the middle. A crease is one
+//! its net angle, does not depend on that. Cloth that bends evenly over all three has no crease. Edges are chained by their net angle, and the line where most of it is is the middle. A crease is one
 //! curve: where its net angle is small for a short way, as where it crosses another crease, it goes on along the edges of the mesh.
 
 use crate::remesh::GarmentSurface;
@@ -44,7 +44,12 @@ impl CreaseEdges {
     pub fn find(mesh: &GarmentSurface, changes: &[f64]) -> Self {
         let beside = ParallelEdges::new(mesh);
         let net: Vec<f64> = (0..changes.len()).map(|h| beside.net(h, |g| changes[g])).collect();
-        let strong = |h: usize| net[h].abs() >= TUNING.min_crease_angle;
+        let is_concentrated = |h: usize| {
+            let most =
+                beside.parts(h, |g| changes[g]).into_iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+            most >= TUNING.min_crease_concentration * net[h].abs()
+        };
+        let strong = |h: usize| net[h].abs() >= TUNING.min_crease_angle && is_concentrated(h);
         let mut chains = HingeChain::all(&mesh.points, &mesh.topology, strong, TUNING.min_crease_cosine);
         chains.retain(|chain| chain.length >= TUNING.min_crease_length);
         // Edges beside count half: where the cloth bends along a row alone, that is the middle.
@@ -248,6 +253,11 @@ impl<'a> ParallelEdges<'a> {
 
     /// The angle `change` of hinge `h` with the mean of those beside it on either side.
     fn net(&self, h: usize, change: impl Fn(usize) -> f64) -> f64 {
+        self.parts(h, change).into_iter().sum()
+    }
+
+    /// The angle `change` of hinge `h`, and the mean of those beside it on either side.
+    fn parts(&self, h: usize, change: impl Fn(usize) -> f64) -> [f64; 3] {
         let of_side = |side: Vec<u32>| {
             let (mut sum, mut length) = (0.0, 0.0);
             for g in side.into_iter().map(|g| g as usize) {
@@ -256,7 +266,8 @@ impl<'a> ParallelEdges<'a> {
             }
             if length > 0.0 { sum / length } else { 0.0 }
         };
-        change(h) + self.sides(h).map(of_side).iter().sum::<f64>()
+        let [left, right] = self.sides(h).map(of_side);
+        [change(h), left, right]
     }
 }
 
