@@ -221,7 +221,8 @@ impl StraightLine {
         let angle = 0.5 * (2.0 * xy).atan2(xx - yy);
         let mut direction = Vec2::new(angle.cos(), angle.sin());
         direction *= direction.dot(&trend).signum();
-        if !(direction.dot(&trend) > 0.0) {
+        let ahead = direction.dot(&trend);
+        if ahead.is_nan() || ahead <= 0.0 {
             return None;
         }
         let line = Self { centre, direction, knots: vec![[0.0, middle]], rms: 0.0 };
