@@ -8,7 +8,7 @@
 use crate::transfer::correspondence::texture_islands;
 use crate::transfer::tuning::TUNING;
 use crease_geometry::math::{Vec2, Vec3};
-use crease_geometry::mesh::distance::point_triangle_squared;
+use crease_geometry::mesh::distance::{barycentric, point_triangle_squared};
 use crease_geometry::mesh::triangle_bvh::{NearestTriangle, TriangleBvh};
 use crease_model::remesh::GarmentSurface;
 
@@ -28,25 +28,20 @@ pub(super) fn with_texture_of(simulated: &GarmentSurface, file: &GarmentSurface)
         let middle = near(simulated.centroid(f), &agrees)?;
         let island = islands[middle.triangle as usize];
         let is_own = |g: u32| islands[g as usize] == island && agrees(g);
-        let corners = simulated.corners(f);
-        let radius = corners.iter().map(|x| (x - simulated.centroid(f)).norm()).fold(0.0, f64::max);
-        let reach = TUNING.max_texture_stretch * texture_scale(file, uvs, middle.triangle as usize) * radius;
         let at = uv_at(&middle, uvs);
-        let is_beside = |g: u32| is_own(g) && distance_in_texture(&uvs[g as usize], &at) <= reach;
-        let [a, b, c] =
-            corners.map(|x| near(x, &is_beside).or_else(|| near(x, &is_own)).map(|place| uv_at(&place, uvs)));
+        let from = file.corners(middle.triangle as usize);
+        let [a, b, c] = simulated.corners(f).map(|x| {
+            let weights = barycentric(&x, &from);
+            let expected: Vec2 =
+                uvs[middle.triangle as usize].iter().zip(weights).map(|(uv, w)| uv * w).sum();
+            let reach = TUNING.max_texture_deviation * (expected - at).norm();
+            let is_beside = |g: u32| is_own(g) && distance_in_texture(&uvs[g as usize], &expected) <= reach;
+            near(x, &is_beside).or_else(|| near(x, &is_own)).map(|place| uv_at(&place, uvs))
+        });
         Some([a?, b?, c?])
     });
     let own: Vec<[Vec2; 3]> = own.collect::<Option<_>>()?;
     Some(GarmentSurface { uvs: Some(own), ..simulated.clone() })
-}
-
-/// Length in the texture of one metre of triangle `f` of `surface` [1/m]; 0 for one without area.
-fn texture_scale(surface: &GarmentSurface, uvs: &[[Vec2; 3]], f: usize) -> f64 {
-    let [a, b, c] = surface.corners(f);
-    let area = (b - a).cross(&(c - a)).norm();
-    let [u, v, w] = uvs[f];
-    if area > 0.0 { ((v - u).perp(&(w - u)).abs() / area).sqrt() } else { 0.0 }
 }
 
 /// Distance of `at` from a triangle of the texture.

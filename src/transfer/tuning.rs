@@ -35,8 +35,9 @@ pub(super) struct TransferTuning {
     pub max_places_of_uv: usize,
     /// Fraction of the target's triangles with a single place in the texture that a map by texture needs [-], default 0.5.
     pub min_unambiguous_fraction: f64,
-    /// Largest length in the texture over that which the area of a triangle gives [-], default 3, at which places are beside one another.
-    pub max_texture_stretch: f64,
+    /// Distance of a corner in the texture from where the triangle of the file under the centroid has it, relative to its distance from the
+    /// centroid [-], default 0.5.
+    pub max_texture_deviation: f64,
     /// Texture coordinates closer than this continue across an edge [-], default 1e-5.
     pub uv_continuity_tol: f64,
     /// Confidence below which a transfer warns [-], default 0.5.
@@ -158,7 +159,7 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     uv_overlap_fraction: 0.1,
     max_places_of_uv: 8,
     min_unambiguous_fraction: 0.5,
-    max_texture_stretch: 3.0,
+    max_texture_deviation: 0.5,
     uv_continuity_tol: 1e-5,
     min_confidence: 0.5,
     max_lost_crease_fraction: 0.2,

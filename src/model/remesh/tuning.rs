@@ -26,7 +26,7 @@ pub(super) struct RemeshTuning {
     pub kink_weight: f64,
     /// Change of rest angle, with that of the edges beside it, from which a hinge can be part of a crease of the worn surface [rad], default 0.2.
     pub min_crease_angle: f64,
-    /// Smallest part of that angle at one of the edges [-], default 0.5: where three edges bend alike, the cloth bends smoothly.
+    /// Smallest part of that angle at one of the edges [-], default 0.36: where three edges bend alike, each has a third.
     pub min_crease_concentration: f64,
     /// Cosine of the bend of a crease from one edge to the next [-], default 0.87: 30 degrees.
     pub min_crease_cosine: f64,
@@ -112,7 +112,7 @@ pub(super) const TUNING: RemeshTuning = RemeshTuning {
     projection_parts: 4,
     kink_weight: 0.07,
     min_crease_angle: 0.2,
-    min_crease_concentration: 0.5,
+    min_crease_concentration: 0.36,
     min_crease_cosine: 0.87,
     max_crease_gap: 0.05,
     min_traced_cosine: 0.95,
