@@ -35,3 +35,4 @@ pub use pressure::Pressure;
 pub use shrinking_sphere::ShrinkingSphere;
 pub use target_spring::{TargetSpring, TargetSprings};
 pub use term::Energy;
+pub(crate) use term::RestrictedTerms;

@@ -32,6 +32,24 @@ pub trait Energy: Sync {
     }
 }
 
+/// Terms without what exerts no force on some points.
+pub(crate) struct RestrictedTerms<'a> {
+    whole: &'a [&'a dyn Energy],
+    parts: Vec<Option<Box<dyn Energy + 'a>>>,
+}
+
+impl<'a> RestrictedTerms<'a> {
+    /// Restricts the terms `whole` to the flagged `points`.
+    pub fn new(whole: &'a [&'a dyn Energy], points: &[bool]) -> Self {
+        Self { whole, parts: whole.iter().map(|term| term.restricted_to(points)).collect() }
+    }
+
+    /// The terms, whole where they cannot be restricted.
+    pub fn terms(&self) -> Vec<&dyn Energy> {
+        self.whole.iter().zip(&self.parts).map(|(whole, part)| part.as_deref().unwrap_or(*whole)).collect()
+    }
+}
+
 /// Sums a function of every element and its index, in the same order for any number of threads.
 pub(super) fn sum_of<T: Sync>(elements: &[T], of: impl Fn((usize, &T)) -> f64 + Sync) -> f64 {
     const CHUNK: usize = TUNING.elements_per_task;

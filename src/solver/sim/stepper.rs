@@ -1,7 +1,7 @@
 //! One time step of the cloth: the stages of the integrator, and the control of the time step.
 
 use crate::contact::Contact;
-use crate::energy::Energy;
+use crate::energy::{Energy, RestrictedTerms};
 use crate::sim::cloth::Cloth;
 use crate::sim::integrator::{InnerSolver, Method, Stage, StageSolve, StepAttempt};
 use crate::sim::loads::{LoadSource, Loads};
@@ -288,18 +288,17 @@ impl Stepper {
         let membrane = membrane.term(rest_state, &measure, stage.effective_dt);
         let bending = bending.term(rest_state, &angle, stage.effective_dt);
         let terms = stage_terms(&self.cloth, loads, buffers, stage, membrane, bending);
+        let whole: Vec<&dyn Energy> = terms.iter().map(AsRef::as_ref).collect();
         // Elements between fixed points alone exert no force on free ones.
         let free: Vec<bool> = buffers.fixed.iter().map(|fixed| !fixed).collect();
-        let restricts = buffers.fixed.contains(&true);
-        let parts: Vec<_> =
-            terms.iter().map(|term| restricts.then(|| term.restricted_to(&free)).flatten()).collect();
-        let terms: Vec<&dyn Energy> =
-            terms.iter().zip(&parts).map(|(whole, part)| part.as_deref().unwrap_or(whole.as_ref())).collect();
+        let restricted = free.contains(&false).then(|| RestrictedTerms::new(&whole, &free));
+        let parts = restricted.as_ref().map(RestrictedTerms::terms);
+        let terms: &[&dyn Energy] = parts.as_deref().unwrap_or(&whole);
         let inertia =
             Inertia { mass: &self.cloth.mass, inertial: &inertial, effective_dt: stage.effective_dt };
         let problem = Problem {
             inertia: Some(inertia),
-            terms: &terms,
+            terms,
             fixed: &buffers.fixed,
             // Fixed work is defined with the Hessian at the beginning.
             predicted_positions: method.converges().then_some(&inertial[..]),

@@ -8,7 +8,7 @@
 //! beside a global iteration. The global gradient then decides whether another set is needed.
 
 use crate::contact::Contact;
-use crate::energy::Energy;
+use crate::energy::RestrictedTerms;
 use crate::sim::newton::context::SolveContext;
 use crate::sim::newton::line_search::Descent;
 use crate::sim::newton::problem::Problem;
@@ -133,9 +133,8 @@ impl Problem<'_> {
         context: &mut SolveContext,
     ) -> bool {
         let clock = Instant::now();
-        let parts: Vec<_> = self.terms.iter().map(|term| term.restricted_to(active)).collect();
-        let terms: Vec<&dyn Energy> =
-            self.terms.iter().zip(&parts).map(|(whole, part)| part.as_deref().unwrap_or(*whole)).collect();
+        let restricted = RestrictedTerms::new(self.terms, active);
+        let terms = restricted.terms();
         let fixed: Vec<bool> = active.iter().map(|active| !active).collect();
         let problem =
             Problem { inertia: self.inertia, terms: &terms, fixed: &fixed, predicted_positions: None };
