@@ -194,4 +194,27 @@ mod tests {
         assert_eq!(*state.remembered_angle(&[-1.0, 2.0, 0.0], &source), [-1.0, 2.0, 0.0]);
         assert_eq!(*state.remembered_angle(&[3.0, -2.0, 3.6], &source), [1.0, 0.0, 3.5]);
     }
+
+    #[test]
+    fn what_is_a_panel_of_every_fold_stays_until_one_is_opened() {
+        let fold = |panel: Vec<bool>| {
+            TurnRecord::Fold(FoldRecord {
+                flap: Vec::new(),
+                origin: Vec3::zeros(),
+                along: Vec3::z(),
+                outward: Vec3::x(),
+                angle: 3.1,
+                panel,
+            })
+        };
+        let turns = vec![fold(vec![true, true, false]), fold(vec![true, false, true])];
+        let mut folded = PersistentState { turns, ground: Some(0.0), ..PersistentState::default() };
+        assert_eq!(folded.folded_loads().fixed, [true, false, false]);
+        assert!(folded.idle_loads().fixed.is_empty());
+        // A fold that is held by springs has none, and with it nothing is fixed.
+        let mut held = folded.clone();
+        held.turns.push(fold(Vec::new()));
+        folded.free_panels();
+        assert!(held.folded_loads().fixed.is_empty() && folded.folded_loads().fixed.is_empty());
+    }
 }

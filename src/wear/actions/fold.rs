@@ -183,6 +183,7 @@ impl WearAction for Fold {
         // Of a garment in the shape of a body some cloth stands up: folds made before would open under it, and others would be made beside
         // their lines. Flat hands stroke the whole stack.
         let is_stroked = !persistent.cut.is_empty();
+        let angle = self.angle_deg.to_radians();
         // There more of the cloth finds its place after the flap; on the side of the flap the outermost layer bends over half a turn.
         let band = if is_stroked { 2.0 } else { 1.0 } * TUNING.fold.band_width;
         let bend = PI * top;
@@ -206,8 +207,12 @@ impl WearAction for Fold {
                 origin: line.origin,
                 along: line.along,
                 outward: line.outward,
-                angle: self.angle_deg.to_radians(),
-                panel: panel(x, context.triangles, near_line),
+                angle,
+                panel: if angle > TUNING.fold.self_supporting_angle {
+                    panel(x, context.triangles, near_line)
+                } else {
+                    Vec::new()
+                },
             },
             over: self.over_s,
             is_held: false,
@@ -269,12 +274,18 @@ impl FoldRunner {
         self.record.angle > TUNING.fold.self_supporting_angle && !self.is_held
     }
 
+    /// Takes hold of the flap: springs have all of it from here on, and nothing is fixed.
+    fn hold(&mut self) {
+        self.is_held = true;
+        self.record.panel.clear();
+    }
+
     /// Takes hold of a flap that was turned over and springs back, with the points at `x` [m] `t` seconds after the start.
     fn hold_if_springing_back(&mut self, t: f64, x: &[Vec3]) {
         let is_let_go = t > self.over * (1.0 + 1e-9) && self.supports_itself();
         let springing_back = TUNING.fold.min_reached_fraction..TUNING.failure.min_turned_fraction;
         if is_let_go && self.turned_fraction(x).is_some_and(|turned| springing_back.contains(&turned)) {
-            self.is_held = true;
+            self.hold();
         }
     }
 
@@ -332,13 +343,7 @@ impl ActionRunner for FoldRunner {
             springs: flap.chain(pins).collect(),
             guided: turning,
             transient: grip < 1.0,
-            fixed: if turning {
-                self.fixed.clone()
-            } else if self.supports_itself() {
-                self.record.panel.clone()
-            } else {
-                Vec::new()
-            },
+            fixed: if turning { &self.fixed } else { &self.record.panel }.clone(),
             // The release slows down what was held.
             drag: self.idle_loads.drag + if grip < 1.0 { TUNING.fold.release_drag * grip } else { 0.0 },
             max_dt: if turning {
@@ -362,7 +367,9 @@ impl ActionRunner for FoldRunner {
     }
 
     fn restore_state(&mut self, saved: &Value, _point_count: usize) -> bool {
-        self.is_held = saved.as_bool().unwrap_or(false);
+        if saved.as_bool() == Some(true) {
+            self.hold();
+        }
         saved.is_null() || self.is_held
     }
 
@@ -397,7 +404,6 @@ impl ActionRunner for FoldRunner {
     fn finish(&mut self, persistent: &mut PersistentState, x: &[Vec3]) {
         if !self.supports_itself() {
             persistent.held_loads = Some(self.loads_at(f64::INFINITY, x));
-            self.record.panel.clear();
         }
         persistent.turns.push(TurnRecord::Fold(self.record.clone()));
     }

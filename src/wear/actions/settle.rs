@@ -40,8 +40,8 @@ impl WearAction for Settle {
         _context: &ActionContext,
         persistent: &mut PersistentState,
     ) -> Result<ActionStart> {
-        if persistent.ground.is_some() && persistent.held_loads.take().is_some() {
-            persistent.free_panels();
+        if persistent.ground.is_some() {
+            persistent.held_loads = None;
         }
         let loads = Loads { drag: TUNING.other.settle_drag, ..persistent.folded_loads() };
         ActionStart::here(ConstantLoads { loads, may_end_early: true })
