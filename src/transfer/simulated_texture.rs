@@ -31,9 +31,7 @@ pub(super) fn with_texture_of(simulated: &GarmentSurface, file: &GarmentSurface)
         let at = uv_at(&middle, uvs);
         let from = file.corners(middle.triangle as usize);
         let [a, b, c] = simulated.corners(f).map(|x| {
-            let weights = barycentric(&x, &from);
-            let expected: Vec2 =
-                uvs[middle.triangle as usize].iter().zip(weights).map(|(uv, w)| uv * w).sum();
+            let expected = weighted(&uvs[middle.triangle as usize], barycentric(&x, &from));
             let reach = TUNING.max_texture_deviation * (expected - at).norm();
             let is_beside = |g: u32| is_own(g) && distance_in_texture(&uvs[g as usize], &expected) <= reach;
             near(x, &is_beside).or_else(|| near(x, &is_own)).map(|place| uv_at(&place, uvs))
@@ -52,7 +50,12 @@ fn distance_in_texture(triangle: &[Vec2; 3], at: &Vec2) -> f64 {
 
 /// Texture coordinates at a place of the file's surface.
 fn uv_at(place: &NearestTriangle, uvs: &[[Vec2; 3]]) -> Vec2 {
-    uvs[place.triangle as usize].iter().zip(place.weights()).map(|(uv, w)| uv * w).sum()
+    weighted(&uvs[place.triangle as usize], place.weights())
+}
+
+/// Sum of the corners of a triangle of the texture times `weights`.
+fn weighted(corners: &[Vec2; 3], weights: [f64; 3]) -> Vec2 {
+    corners.iter().zip(weights).map(|(uv, w)| uv * w).sum()
 }
 
 #[cfg(test)]

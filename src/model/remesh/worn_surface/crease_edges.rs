@@ -1,8 +1,9 @@
 //! Edges of the creases of a simulated mesh: the centre line of each, and the rows beside it, whose angle belongs to the crease.
 //!
-//! A fold bends the mesh along its line, along a row beside it, or along both in turn. What an edge has together with those that run beside it,
-//! its net angle, does not depend on that. Cloth that bends evenly over all three has no crease. Edges are chained by their net angle, and the line where most of it is is the middle. A crease is one
-//! curve: where its net angle is small for a short way, as where it crosses another crease, it goes on along the edges of the mesh.
+//! A fold bends the mesh along its line, along a row beside it, or along both in turn. The angle of an edge together with those that run
+//! beside it, its net angle, does not depend on that. Cloth that bends evenly over all three has no crease. Edges are chained by their net
+//! angle; the middle of a crease is the line with most of it. A crease is one curve: where its net angle is small for a short way, as where
+//! it crosses another crease, it goes on along the edges of the mesh.
 
 use crate::remesh::GarmentSurface;
 use crate::remesh::hinge_chains::HingeChain;
@@ -43,10 +44,10 @@ impl CreaseEdges {
     /// Finds the creases of `mesh` among its hinges, whose rest angles changed by `changes` [rad].
     pub fn find(mesh: &GarmentSurface, changes: &[f64]) -> Self {
         let beside = ParallelEdges::new(mesh);
-        let net: Vec<f64> = (0..changes.len()).map(|h| beside.net(h, |g| changes[g])).collect();
+        let parts: Vec<[f64; 3]> = (0..changes.len()).map(|h| beside.parts(h, |g| changes[g])).collect();
+        let net: Vec<f64> = parts.iter().map(|parts| parts.iter().sum()).collect();
         let is_concentrated = |h: usize| {
-            let most =
-                beside.parts(h, |g| changes[g]).into_iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+            let most = parts[h].iter().fold(0.0, |most: f64, part| most.max(part.abs()));
             most >= TUNING.min_crease_concentration * net[h].abs()
         };
         let strong = |h: usize| net[h].abs() >= TUNING.min_crease_angle && is_concentrated(h);
