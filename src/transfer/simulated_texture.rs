@@ -83,7 +83,7 @@ mod tests {
             .map(|t| t.map(|[u, v]| Vec2::new(u, v)))
             .collect();
         let topology = Topology::new(points.len(), &triangles);
-        GarmentSurface { points, triangles, topology, uvs: Some(uvs), warp: None }
+        GarmentSurface { points, triangles, topology, uvs: Some(uvs), warp: None, on_fold_line: None }
     }
 
     #[test]

@@ -44,6 +44,7 @@ impl Sidecar {
                 source_point: garment.source_point.iter().map(|p| p.0).collect(),
                 source_uv: source_uv(asset),
                 triangle_vertices: corner_vertices(asset, garment),
+                fold_line_points: garment.on_fold_line.as_deref().map(indices_of),
                 joints: source_joints(asset),
                 extra: Map::new(),
             },
@@ -211,6 +212,11 @@ fn source_joints(asset: &SourceAsset) -> Option<Vec<SidecarJoint>> {
     };
     let all: Vec<SidecarJoint> = asset.worn_joints().into_iter().map(joint).collect();
     (!all.is_empty()).then_some(all)
+}
+
+/// Returns the numbers of those points of which `on` holds.
+fn indices_of(on: &[bool]) -> Vec<u32> {
+    (0..on.len() as u32).filter(|p| on[*p as usize]).collect()
 }
 
 /// Returns the angle of the first side of a flattened triangle, warp along x [rad].

@@ -111,6 +111,10 @@ pub struct SidecarMesh {
     /// mesh is finer than its file, and by versions before 0.1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub triangle_vertices: Option<Vec<[u32; 3]>>,
+    /// Points on the lines that were drawn for folds, and on the rows beside them, where creases are sharp. Left out for meshes that were not
+    /// made for folds.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fold_line_points: Option<Vec<u32>>,
     /// Joints of the skeleton that moves the worn pieces, in the pose of the file: garments bound to joints of the same
     /// names can be aligned by them. Left out without any.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -41,7 +41,12 @@ pub fn sidecar_surface(file: &str, sidecar: &Sidecar) -> Result<(GarmentSurface,
         .as_ref()
         .zip(sidecar.mesh.triangle_vertices.as_ref())
         .map(|(uvs, corners)| corners.iter().map(|t| t.map(|v| Vec2::from(uvs[v as usize]))).collect());
-    Ok((GarmentSurface { points, triangles, topology, uvs, warp }, memory))
+    let on_fold_line = sidecar.mesh.fold_line_points.as_ref().map(|on| {
+        let mut flags = vec![false; points.len()];
+        on.iter().for_each(|p| flags[*p as usize] = true);
+        flags
+    });
+    Ok((GarmentSurface { points, triangles, topology, uvs, warp, on_fold_line }, memory))
 }
 
 /// Per hinge of `topology`, its index in `listed`.

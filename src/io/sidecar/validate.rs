@@ -39,6 +39,9 @@ impl Sidecar {
             check.length("mesh.triangle_vertices", corners.len(), triangles, "triangles");
             check.indices("mesh.triangle_vertices", corners, vertices);
         }
+        if let Some(on_line) = &self.mesh.fold_line_points {
+            check.indices("mesh.fold_line_points", on_line.as_chunks::<1>().0, points);
+        }
         for (i, joint) in self.mesh.joints.iter().flatten().enumerate() {
             check.finite(&format!("mesh.joints[{i}].position_m"), &[joint.position_m]);
             check.finite(&format!("mesh.joints[{i}].axes"), &joint.axes);

@@ -93,6 +93,7 @@ impl Garment {
             triangle_panel: flat.panel,
             inner_side,
             file_triangles: Vec::new(),
+            on_fold_line: None,
             topology,
         };
         Ok((garment, diagnostics.list))

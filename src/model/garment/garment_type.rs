@@ -33,6 +33,8 @@ pub struct Garment {
     pub inner_side: Vec<bool>,
     /// Triangles of the file, if the garment has been refined ([`Garment::refine`]); empty if `triangles` are they.
     pub file_triangles: Vec<[PointIndex; 3]>,
+    /// Per point: whether it lies on a line that was drawn for a fold, or on a row beside one; `None` where triangles were not made for folds.
+    pub on_fold_line: Option<Vec<bool>>,
     /// Edges and hinges of `triangles`.
     pub topology: Topology,
 }
@@ -60,6 +62,7 @@ impl Garment {
             triangle_panel: vec![0; triangles.len()],
             inner_side: vec![false; triangles.len()],
             file_triangles: Vec::new(),
+            on_fold_line: None,
             topology,
             triangles,
             points,

@@ -49,6 +49,7 @@ impl Garment {
                     .map(|f| self.inner_side.get(*f as usize).copied().unwrap_or(false))
                     .collect(),
                 file_triangles: self.exported_triangles().to_vec(),
+                on_fold_line: None,
                 topology,
             },
             parent,

@@ -339,6 +339,7 @@ fn cloth_of(garment: &Garment, left_out: &[bool]) -> (Garment, Vec<PointIndex>, 
         triangle_panel: triangles.iter().map(|&f| garment.triangle_panel[f as usize]).collect(),
         inner_side: vec![false; triangles.len()],
         file_triangles: garment.file_triangles.iter().filter_map(of_cloth).collect(),
+        on_fold_line: garment.on_fold_line.as_ref().map(|on| points.iter().map(|p| on[p.at()]).collect()),
         topology: Topology::new(points.len(), &own),
         triangles: own,
     };

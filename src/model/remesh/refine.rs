@@ -218,7 +218,7 @@ impl Bisection {
         for [a, _] in &self.splits {
             source_triangle.push(source_triangle[*a as usize]);
         }
-        let on_line = flags_with_middles(&self.splits, &coarse.on_line);
+        let on_fold_line = source.on_fold_line.as_ref().map(|on| flags_with_middles(&self.splits, on));
         let inherited =
             |of: &[u32]| -> Vec<u32> { self.triangle_parent.iter().map(|&f| of[f as usize]).collect() };
         let located = coarse.source_location.iter().map(|at| self.locate(at)).collect();
@@ -233,17 +233,12 @@ impl Bisection {
             triangle_panel: inherited(&source.triangle_panel),
             inner_side: vec![false; triangles.len()],
             file_triangles: Vec::new(),
+            on_fold_line,
             topology,
             triangles,
         };
         Refinement {
-            mesh: SimulationMesh {
-                garment,
-                is_source: false,
-                source_location: located,
-                source_triangle,
-                on_line,
-            },
+            mesh: SimulationMesh { garment, is_source: false, source_location: located, source_triangle },
             splits: self.splits,
             hinge_parent,
             triangle_parent: self.triangle_parent,

@@ -19,8 +19,6 @@ pub struct SimulationMesh {
     pub source_location: Vec<SurfacePoint>,
     /// Per point: the triangle of the source garment that it lies in, or one beside that.
     pub source_triangle: Vec<u32>,
-    /// Per point: whether it lies on a fold line or on a row beside one.
-    pub on_line: Vec<bool>,
 }
 
 impl SimulationMesh {
@@ -43,8 +41,7 @@ impl SimulationMesh {
         for (f, t) in garment.triangles.iter().enumerate() {
             t.iter().for_each(|p| source_triangle[p.at()] = f as u32);
         }
-        let on_line = vec![false; garment.points.len()];
-        Self { garment: garment.clone(), is_source: true, source_location, source_triangle, on_line }
+        Self { garment: garment.clone(), is_source: true, source_location, source_triangle }
     }
 
     /// Numbers the triangles of `mesh` that are left.
@@ -78,14 +75,14 @@ impl SimulationMesh {
             triangle_panel: faces.iter().map(|&f| source.triangle_panel[mesh.home(f) as usize]).collect(),
             inner_side: vec![false; faces.len()],
             file_triangles: Vec::new(),
+            on_fold_line: Some(kept.iter().map(|&p| mesh.is_on_line(p as u32)).collect()),
             topology: Topology::new(kept.len(), &triangles),
             triangles,
         };
         let homes: Vec<u32> = faces.iter().map(|&f| mesh.home(f)).collect();
         let source_location = locate_source(source, &garment, &location, &homes);
         let source_triangle = location.iter().map(|at| at.face).collect();
-        let on_line = kept.iter().map(|&p| mesh.is_on_line(p as u32)).collect();
-        Self { garment, is_source: false, source_location, source_triangle, on_line }
+        Self { garment, is_source: false, source_location, source_triangle }
     }
 
     /// Values of the points of the source garment from those of the points of the mesh `x`, linear on its triangles.

@@ -42,7 +42,8 @@ pub fn resolved_memory(mesh: &SimulationMesh, earned: &RestState) -> RestState {
 /// Per triangle of `mesh`: whether it has memory and no side along a line that was drawn.
 fn averaged_triangles(mesh: &SimulationMesh) -> Vec<bool> {
     let remembers = |p: &PointIndex| mesh.garment.memory_mask[p.at()] > 0.0;
-    let along_line = |t: &[PointIndex; 3]| t.iter().filter(|p| mesh.on_line[p.at()]).count() >= 2;
+    let on_line = |p: &&PointIndex| mesh.garment.on_fold_line.as_ref().is_some_and(|on| on[p.at()]);
+    let along_line = |t: &[PointIndex; 3]| t.iter().filter(on_line).count() >= 2;
     mesh.garment.triangles.iter().map(|t| t.iter().all(remembers) && !along_line(t)).collect()
 }
 

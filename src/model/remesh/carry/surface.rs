@@ -22,6 +22,8 @@ pub struct GarmentSurface {
     pub uvs: Option<Vec<[Vec2; 3]>>,
     /// Per triangle: unit direction of the warp in its plane.
     pub warp: Option<Vec<Vec3>>,
+    /// Per point: whether it lies on a line that was drawn for a fold, or on a row beside one; `None` where that is not known.
+    pub on_fold_line: Option<Vec<bool>>,
 }
 
 impl GarmentSurface {
@@ -43,6 +45,7 @@ impl GarmentSurface {
             topology: garment.topology.clone(),
             uvs: None,
             warp: Some(warp.collect()),
+            on_fold_line: garment.on_fold_line.clone(),
         }
     }
 
@@ -56,6 +59,7 @@ impl GarmentSurface {
             topology: cloth.topology.clone(),
             uvs: self.uvs.as_ref().map(|uvs| own().map(|f| uvs[f]).collect()),
             warp: self.warp.as_ref().map(|warp| own().map(|f| warp[f]).collect()),
+            on_fold_line: cloth.on_fold_line.clone(),
         }
     }
 
@@ -127,7 +131,10 @@ impl GarmentSurface {
             rest_stretch_weft: memory.rest_stretch_weft.clone(),
         };
         let warp = self.warp.as_ref().map(|all| all.iter().map(|w| Vec3::new(-w.x, w.y, w.z)).collect());
-        (Self { points, triangles, topology, uvs: None, warp }, memory)
+        (
+            Self { points, triangles, topology, uvs: None, warp, on_fold_line: self.on_fold_line.clone() },
+            memory,
+        )
     }
 
     /// +1 if the normals point out of the garment, -1 if into it; +1 for a surface that encloses next to no volume.

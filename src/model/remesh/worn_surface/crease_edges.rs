@@ -1,7 +1,8 @@
 //! Edges of the creases of a simulated mesh: the centre line of each, and the rows beside it, whose angle belongs to the crease.
 //!
 //! A fold bends the mesh along its line, along a row beside it, or along both in turn. The angle of an edge together with those that run
-//! beside it, its net angle, does not depend on that. Cloth that bends evenly over all three has no crease. Edges are chained by their net
+//! beside it, its net angle, does not depend on that. Cloth that bends evenly over all three has no crease, nor has a mesh that was made for folds any beside
+//! the lines that were drawn for them: a wrinkle there does not run along edges, and is smooth. Edges are chained by their net
 //! angle; the middle of a crease is the line with most of it. A crease is one curve: where its net angle is small for a short way, as where
 //! it crosses another crease, it goes on along the edges of the mesh.
 
@@ -9,6 +10,7 @@ use crate::remesh::GarmentSurface;
 use crate::remesh::hinge_chains::HingeChain;
 use crate::remesh::tuning::TUNING;
 use crease_geometry::math::Vec3;
+use crease_geometry::mesh::PointIndex;
 use rustc_hash::FxHashSet;
 use std::ops::Range;
 
@@ -50,7 +52,11 @@ impl CreaseEdges {
             let most = parts[h].iter().fold(0.0, |most: f64, part| most.max(part.abs()));
             most >= TUNING.min_crease_concentration * net[h].abs()
         };
-        let strong = |h: usize| net[h].abs() >= TUNING.min_crease_angle && is_concentrated(h);
+        let is_folded = |h: usize| {
+            let on = |p: &PointIndex| mesh.on_fold_line.as_ref().is_none_or(|on| on[p.at()]);
+            mesh.topology.hinges[h].points[..2].iter().all(on)
+        };
+        let strong = |h: usize| is_folded(h) && net[h].abs() >= TUNING.min_crease_angle && is_concentrated(h);
         let mut chains = HingeChain::all(&mesh.points, &mesh.topology, strong, TUNING.min_crease_cosine);
         chains.retain(|chain| chain.length >= TUNING.min_crease_length);
         // Edges beside count half: where the cloth bends along a row alone, that is the middle.
