@@ -5,9 +5,13 @@ use crate::remesh::GarmentSurface;
 use crate::remesh::tuning::TUNING;
 use crate::remesh::worn_surface::crease_edges::CreaseEdges;
 use crease_geometry::math::{Mat3, Vec3};
-use crease_geometry::mesh::{Groups, mean_rotation, weighted_rotation};
-use rustc_hash::FxHashMap;
-use std::collections::VecDeque;
+use crease_geometry::mesh::{Groups, PointIndex, mean_rotation, weighted_rotation};
+use rustc_hash::{FxHashMap, FxHashSet};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Lengths of [`TUNING`]'s `strip_reach` beyond which a rotation has no weight where the nearest is as near as a row.
+const STRIP_REACHES: f64 = 3.0;
 
 /// Rotation of a panel at a point of its border with a strip.
 struct Seed {
@@ -21,22 +25,15 @@ pub(super) fn corner_rotations(
     after: &[Vec3],
     creases: &CreaseEdges,
 ) -> Vec<[Mat3; 3]> {
-    let mut all = panel_rotations(mesh, after, creases);
-    let mut seen = vec![false; mesh.triangles.len()];
-    for f in 0..mesh.triangles.len() {
-        if !creases.strip[f] || seen[f] {
-            continue;
+    let panels = panel_rotations(mesh, after, creases);
+    let of_triangle = |f: usize| {
+        let seeds = if creases.strip[f] { seeds_around(mesh, creases, &panels, f) } else { Vec::new() };
+        match seeds.is_empty() {
+            true => panels[f],
+            false => mesh.triangles[f].map(|p| carried(mesh, &seeds, &mesh.points[p.at()])),
         }
-        let (strip, seeds) = strip_from(mesh, creases, &all, f, &mut seen);
-        if seeds.is_empty() {
-            continue;
-        }
-        for g in strip {
-            let t = mesh.triangles[g];
-            all[g] = t.map(|p| carried(mesh, &seeds, &mesh.points[p.at()]));
-        }
-    }
-    all
+    };
+    (0..mesh.triangles.len()).map(of_triangle).collect()
 }
 
 /// Rotations averaged over the triangles around each point that no centre line parts and of which all or none are in strips.
@@ -64,35 +61,36 @@ fn panel_rotations(mesh: &GarmentSurface, after: &[Vec3], creases: &CreaseEdges)
     (0..count).map(|f| std::array::from_fn(|k| mean[groups.find((3 * f + k) as u32) as usize])).collect()
 }
 
-/// The strip around triangle `first` on its side of the centre line, and the rotations of the panel along its border.
-fn strip_from(
+/// Rotations of the panel along the border of the strip around its triangle `first`: where the way to them over the strip, which does not cross a
+/// centre line, is not much longer than the shortest. Where a centre line ends its two sides are one strip, and the other side is the longer way.
+fn seeds_around(
     mesh: &GarmentSurface,
     creases: &CreaseEdges,
     rotations: &[[Mat3; 3]],
     first: usize,
-    seen: &mut [bool],
-) -> (Vec<usize>, Vec<Seed>) {
-    let (mut strip, mut found) = (Vec::new(), FxHashMap::<u32, (Mat3, f64)>::default());
-    let mut queue = VecDeque::from([first]);
-    seen[first] = true;
-    while let Some(f) = queue.pop_front() {
-        strip.push(f);
-        for e in mesh.topology.triangle_edges[f] {
-            let Some(h) = mesh.topology.edge_hinge[e as usize] else { continue };
-            if creases.is_centre(h as usize) {
-                continue;
-            }
-            let hinge = &mesh.topology.hinges[h as usize];
-            let other = hinge.triangles[usize::from(hinge.triangles[0] as usize == f)] as usize;
+) -> Vec<Seed> {
+    let mut found = FxHashMap::<u32, (Mat3, f64)>::default();
+    // Bits of numbers that are not negative are ordered as they are.
+    let mut open = BinaryHeap::from([Reverse((0.0f64.to_bits(), first))]);
+    let mut seen = FxHashSet::default();
+    let mut farthest = f64::INFINITY;
+    while let Some(Reverse((way, f))) = open.pop() {
+        let way = f64::from_bits(way);
+        if way > farthest {
+            break;
+        }
+        if !seen.insert(f) {
+            continue;
+        }
+        for (other, ends) in neighbours(mesh, creases, f) {
             if creases.strip[other] {
-                if !seen[other] {
-                    seen[other] = true;
-                    queue.push_back(other);
-                }
+                let step = (mesh.centroid(other) - mesh.centroid(f)).norm();
+                open.push(Reverse(((way + step).to_bits(), other)));
                 continue;
             }
-            for p in &hinge.points[..2] {
-                let k = mesh.triangles[other].iter().position(|q| q == p).unwrap_or(0);
+            farthest = farthest.min(way + STRIP_REACHES * TUNING.strip_reach);
+            for p in ends {
+                let k = mesh.triangles[other].iter().position(|q| *q == p).unwrap_or(0);
                 let entry = found.entry(p.0).or_insert((Mat3::zeros(), 0.0));
                 entry.0 += rotations[other][k];
                 entry.1 += 1.0;
@@ -102,7 +100,21 @@ fn strip_from(
     let mut seeds: Vec<Seed> =
         found.into_iter().map(|(point, (sum, count))| Seed { point, rotation: sum / count }).collect();
     seeds.sort_by_key(|seed| seed.point);
-    (strip, seeds)
+    seeds
+}
+
+/// The triangles beside triangle `f` that no centre line parts from it, with the ends of the common edge.
+fn neighbours<'a>(
+    mesh: &'a GarmentSurface,
+    creases: &'a CreaseEdges,
+    f: usize,
+) -> impl Iterator<Item = (usize, [PointIndex; 2])> + 'a {
+    mesh.topology.triangle_edges[f].into_iter().filter_map(move |e| {
+        let h = mesh.topology.edge_hinge[e as usize].filter(|h| !creases.is_centre(*h as usize))?;
+        let hinge = &mesh.topology.hinges[h as usize];
+        let other = hinge.triangles[usize::from(hinge.triangles[0] as usize == f)] as usize;
+        Some((other, [hinge.points[0], hinge.points[1]]))
+    })
 }
 
 /// The rotation of the seeds around `x` [m].
