@@ -2,11 +2,12 @@
 //!
 //! A fold that was made on a mesh with edges along it is remembered by the hinges of these edges and of the rows beside them. Such a crease is a
 //! line on the source; the signed distance from it, taken where the points of a target are matched, draws it on the target
-//! ([`crate::transfer::crease_drawing`]). Memory on triangles that follow no line has no chains. A fold is straight on the cloth that it was
-//! made in, but for kinks where it goes over a shoulder to the next layer: the crease is divided there.
+//! ([`crate::transfer::crease_drawing`]). Memory on triangles that follow no line has no chains. A fold is one straight line through
+//! all layers of the garment that lies, and its crease is divided where the cloth turns over to the next layer.
 
+use crate::transfer::canonical_pose::CanonicalPose;
+use crate::transfer::lying_plane::LyingPlane;
 use crate::transfer::tuning::TUNING;
-use crate::transfer::unrolled_strip::UnrolledStrip;
 use crease_geometry::math::{Vec2, Vec3};
 use crease_model::garment::RestState;
 use crease_model::remesh::{CreaseChain, GarmentSurface};
@@ -26,8 +27,8 @@ pub(super) struct CreaseLine {
     pub angle: Vec<f64>,
     /// Hinges of the source between each two of them, with those of the rows beside it.
     pub hinges: Vec<Vec<u32>>,
-    /// Whether it is straight on the cloth.
-    pub is_straight: bool,
+    /// Number of the fold that made it, if it is straight where the source lies: lines of one fold lie on one straight line there.
+    pub fold: Option<usize>,
     /// Triangles of the source around it, on its own layer.
     around: FxHashSet<u32>,
     /// Height of the triangles beside it [m]: what lies farther off does not belong to the crease.
@@ -100,7 +101,8 @@ pub(super) fn crease_lines(
     target_edge: f64,
     size: f64,
 ) -> Vec<CreaseLine> {
-    let mut lines = Vec::new();
+    let (mut lines, mut folds) = (Vec::new(), Vec::new());
+    let mut plane: Option<Option<LyingPlane>> = None;
     for chain in CreaseChain::all(surface, memory) {
         let whole = CreaseLine::of(&chain, 0..chain.hinges.len(), surface, target_edge);
         let weighted: f64 = (0..whole.angle.len()).map(|k| whole.angle[k].abs() * whole.part_length(k)).sum();
@@ -108,11 +110,14 @@ pub(super) fn crease_lines(
         if whole.length() < TUNING.min_crease_line_fraction * size || !is_fold {
             continue;
         }
-        let on_own = CreaseLine::of(&chain, 0..chain.hinges.len(), own, target_edge);
-        match straight_parts(&chain, &on_own, own) {
-            Some(parts) => lines.extend(parts.into_iter().map(|part| CreaseLine {
-                is_straight: true,
-                ..CreaseLine::of(&chain, part, surface, target_edge)
+        let plane = plane
+            .get_or_insert_with(|| LyingPlane::of(&CanonicalPose::of(own).apply(own, Vec3::repeat(1.0))));
+        let parts =
+            plane.as_ref().and_then(|plane| straight_parts(&chain, &whole, surface, plane, &mut folds));
+        match parts {
+            Some(parts) => lines.extend(parts.into_iter().map(|Part { hinges, fold }| CreaseLine {
+                fold,
+                ..CreaseLine::of(&chain, hinges, surface, target_edge)
             })),
             None => lines.push(whole),
         }
@@ -146,7 +151,7 @@ impl CreaseLine {
             hinges: hinges.collect(),
             angle: chain.angle[part].to_vec(),
             around: triangles_within(surface, &start, reach),
-            is_straight: false,
+            fold: None,
             points,
             lengths,
             row,
@@ -155,33 +160,61 @@ impl CreaseLine {
     }
 }
 
-/// The parts of `chain`, whose line is `whole`, between its kinks; `None` for one that is not straight between few kinks.
+/// Part of a crease.
+struct Part {
+    hinges: Range<usize>,
+    /// Number of its fold, if it is straight where the source lies.
+    fold: Option<usize>,
+}
+
+/// Straight line where a source lies, in which a fold was made.
+struct Fold {
+    place: Vec2,
+    /// Unit vector.
+    along: Vec2,
+}
+
+/// The parts of `chain` between the kinks of its line and where the cloth turns over; `None` for one that is not straight between them. Their folds are
+/// among `folds` or are added.
 fn straight_parts(
     chain: &CreaseChain,
     whole: &CreaseLine,
     surface: &GarmentSurface,
-) -> Option<Vec<Range<usize>>> {
-    let triangles = |k: usize| surface.topology.hinges[chain.hinges[k] as usize].triangles;
-    let mut strip = UnrolledStrip::new(surface, triangles(chain.hinges.len() / 2)[0]);
-    strip.grow(|face, _, _| {
-        let [level, _] = whole.locate(surface, face as usize, &surface.centroid(face as usize))?;
-        Some(level.abs()).filter(|level| *level <= 2.0 * whole.row)
-    });
-    let place = |k: usize, p: u32| {
-        triangles(k).into_iter().find_map(|f| {
-            let at = surface.triangles[f as usize].iter().position(|q| q.0 == p)?;
-            strip.corners(f).map(|corners| corners[at])
-        })
+    plane: &LyingPlane,
+    folds: &mut Vec<Fold>,
+) -> Option<Vec<Part>> {
+    let looks_up = |k: &usize| {
+        let [f, _] = surface.topology.hinges[chain.hinges[*k] as usize].triangles;
+        plane.looks_up[f as usize]
     };
-    let count = chain.hinges.len();
-    let places = (0..=count).map(|k| place(k.min(count - 1), chain.points[k]));
-    let places: Vec<Vec2> = places.collect::<Option<_>>()?;
+    let places: Vec<Vec2> = chain.points.iter().map(|p| plane.places[*p as usize]).collect();
     let mut parts = Vec::new();
-    divide(&places, 0..count, &mut parts);
-    let is_long = |part: &Range<usize>| {
-        whole.lengths[part.end] - whole.lengths[part.start] >= TUNING.min_straight_crease
+    let all: Vec<usize> = (0..chain.hinges.len()).collect();
+    for run in all.chunk_by(|a, b| looks_up(a) == looks_up(b)) {
+        divide(&places, run[0]..run[0] + run.len(), &mut parts);
+    }
+    let length = |part: &Range<usize>| whole.lengths[part.end] - whole.lengths[part.start];
+    let is_long = |part: &Range<usize>| length(part) >= TUNING.min_straight_crease;
+    let straight: f64 = parts.iter().filter(|part| is_long(part)).map(length).sum();
+    if straight < TUNING.min_straight_fraction * whole.length() {
+        return None;
+    }
+    let with_fold = |hinges: Range<usize>| {
+        let fold = is_long(&hinges).then(|| fold_of([places[hinges.start], places[hinges.end]], folds));
+        Part { hinges, fold }
     };
-    parts.iter().all(is_long).then_some(parts)
+    Some(parts.into_iter().map(with_fold).collect())
+}
+
+/// The number of the fold among `folds` that has a line between `ends`; it is added where none has.
+fn fold_of(ends: [Vec2; 2], folds: &mut Vec<Fold>) -> usize {
+    let apart = |fold: &Fold, end: &Vec2| (end - fold.place).perp(&fold.along).abs();
+    let has = |fold: &Fold| ends.iter().all(|end| apart(fold, end) <= TUNING.max_fold_deviation);
+    folds.iter().position(has).unwrap_or_else(|| {
+        let along = (ends[1] - ends[0]).try_normalize(0.0).unwrap_or_else(Vec2::x);
+        folds.push(Fold { place: 0.5 * (ends[0] + ends[1]), along });
+        folds.len() - 1
+    })
 }
 
 /// Divides the polygon `places` [m] over `range` of its sides where it is farthest from straight.

@@ -1,15 +1,15 @@
 //! Place of every point of a target beside a crease line of a source: where it is matched, and straight where the line is.
 //!
-//! Points of two garments are matched to some millimetres, and a fold drawn by matches alone is as uneven. A straight line is therefore
-//! fitted to its matches on the unrolled cloth of the target, and every point near it is placed by that.
+//! Points of two garments are matched to some millimetres, and a fold drawn by matches alone is as uneven. A fold is one straight line where a garment
+//! lies: it is fitted to the matches of all its creases where the target lies, and every point near them is placed by that.
 
 use crate::transfer::crease_drawing::point_matches;
 use crate::transfer::crease_lines::CreaseLine;
+use crate::transfer::lying_plane::LyingPlane;
 use crate::transfer::tuning::TUNING;
-use crate::transfer::unrolled_strip::UnrolledStrip;
 use crease_geometry::math::Vec2;
 use crease_model::remesh::{Correspondence, GarmentSurface, Match};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Places of the points of a target beside a line; not numbers where the line does not reach.
 #[derive(Debug, Clone)]
@@ -20,7 +20,7 @@ pub(super) struct LineLevels {
     pub along: Vec<f64>,
 }
 
-/// Stretch of a matched line across one triangle, unrolled.
+/// Stretch of a matched line across one triangle, where the target lies.
 struct Sample {
     /// Its middle [m].
     place: Vec2,
@@ -30,7 +30,8 @@ struct Sample {
     along: f64,
 }
 
-/// Straight line on unrolled cloth.
+/// Straight line where the target lies.
+#[derive(Clone)]
 struct StraightLine {
     centre: Vec2,
     /// Unit vector along it, in the direction of the source's.
@@ -50,12 +51,23 @@ impl LineLevels {
         target: &GarmentSurface,
     ) -> Vec<Self> {
         let matches = point_matches(correspondence, target);
-        let of_line = |line: &CreaseLine| {
-            let matched = Self::matched(line, correspondence.source(), &matches);
-            let straight = line.is_straight.then(|| matched.straight(line, target)).flatten();
-            straight.unwrap_or(matched)
+        let matched = |line| Self::matched(line, correspondence.source(), &matches);
+        let matched: Vec<Self> = lines.iter().map(matched).collect();
+        let has_fold = lines.iter().any(|line| line.fold.is_some());
+        let Some(plane) = has_fold.then(|| LyingPlane::of(target)).flatten() else { return matched };
+        let own_of = |(line, levels): (&CreaseLine, &Self)| {
+            line.fold.and_then(|_| LyingLine::new(levels, target, &plane))
         };
-        lines.iter().map(of_line).collect()
+        let own: Vec<Option<LyingLine>> = lines.iter().zip(&matched).map(own_of).collect();
+        let placed = |(k, levels): (usize, Self)| {
+            let Some(one) = &own[k] else { return levels };
+            let is_same_fold = |(_, line): &(&Option<LyingLine>, &CreaseLine)| line.fold == lines[k].fold;
+            let of_fold = own.iter().zip(lines).filter(is_same_fold).filter_map(|(own, _)| own.as_ref());
+            let (fit, shift) = one.on_fold(of_fold);
+            let faces = one.faces_beside(&fit, shift, target, &plane, &lines[k]);
+            levels.placed_by(&fit, &faces, target, &plane, &lines[k])
+        };
+        matched.into_iter().enumerate().map(placed).collect()
     }
 
     fn nowhere(count: usize) -> Self {
@@ -73,51 +85,23 @@ impl LineLevels {
         all
     }
 
-    /// The places by a straight line through those where the level is 0, on the cloth of `target`; `None` where they are far from one.
-    fn straight(&self, line: &CreaseLine, target: &GarmentSurface) -> Option<Self> {
-        let mut crossed: Vec<(f64, u32)> = (0..target.triangles.len() as u32)
-            .filter_map(|f| self.crossing(target, f).map(|[a, b]| (0.5 * (a.1 + b.1), f)))
-            .collect();
-        crossed.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (_, first) = *crossed.get(crossed.len() / 2)?;
-        let mut strip = UnrolledStrip::new(target, first);
-        strip.grow(|face, _, _| {
-            let levels = target.triangles[face as usize].map(|p| self.level[p.at()].abs());
-            levels.iter().all(|level| level.is_finite()).then(|| match self.crossing(target, face) {
-                Some(_) => 0.0,
-                None => levels.into_iter().fold(f64::INFINITY, f64::min),
-            })
-        });
-        let mut fit = StraightLine::fit(&self.samples(&strip, target, &crossed))?;
-        // What is unrolled along the line itself has it straight, and the line goes on over cloth without matches, up to its ends.
-        for _ in 0..TUNING.straight_rounds {
-            strip = fit.strip(&strip, target, line)?;
-            let samples = self.samples(&strip, target, &crossed);
-            let near = |sample: &Sample| fit.place(&sample.place)[0].abs() <= line.reach;
-            fit = StraightLine::fit(&samples.into_iter().filter(near).collect::<Vec<_>>())?;
-        }
-        (fit.rms <= TUNING.max_straight_rms).then(|| self.placed_by(&fit, &strip, target, line))
-    }
-
-    /// The places by the line `fit` on `strip`, over the length of `line`.
+    /// The places by the line `fit` on `faces`, over the length of `line`.
     fn placed_by(
         &self,
         fit: &StraightLine,
-        strip: &UnrolledStrip,
+        faces: &[u32],
         target: &GarmentSurface,
+        plane: &LyingPlane,
         line: &CreaseLine,
     ) -> Self {
         let mut all = Self::nowhere(self.level.len());
         let mut agreement = 0.0;
-        for face in &strip.order {
-            let Some(corners) = strip.corners(*face) else { continue };
-            for (p, x) in target.triangles[*face as usize].iter().zip(corners) {
-                let [level, along] = fit.place(x);
-                if all.level[p.at()].is_nan() && line.reaches(along) {
-                    (all.level[p.at()], all.along[p.at()]) = (level, along);
-                    let own = self.level[p.at()] * level;
-                    agreement += if own.is_nan() { 0.0 } else { own };
-                }
+        for p in faces.iter().flat_map(|f| target.triangles[*f as usize]).map(|p| p.at()) {
+            let [level, along] = fit.place(&plane.places[p]);
+            if all.level[p].is_nan() && line.reaches(along) {
+                (all.level[p], all.along[p]) = (level, along);
+                let own = self.level[p] * level;
+                agreement += if own.is_nan() { 0.0 } else { own };
             }
         }
         if agreement < 0.0 {
@@ -142,53 +126,105 @@ impl LineLevels {
         let [a, b] = found[..] else { return None };
         (a.1.is_finite() && b.1.is_finite()).then_some([a, b])
     }
+}
 
-    /// The zero line over the unrolled triangles among `crossed`.
-    fn samples(&self, strip: &UnrolledStrip, target: &GarmentSurface, crossed: &[(f64, u32)]) -> Vec<Sample> {
-        let sample = |(along, face): &(f64, u32)| {
-            let corners = strip.corners(*face)?;
+/// A matched line where the target lies.
+struct LyingLine {
+    fit: StraightLine,
+    samples: Vec<Sample>,
+    /// Triangles that it crosses; all look to one side.
+    faces: Vec<u32>,
+    looks_up: bool,
+}
+
+impl LyingLine {
+    /// The straight line through the places where `levels` are 0; `None` where they are far from one.
+    fn new(levels: &LineLevels, target: &GarmentSurface, plane: &LyingPlane) -> Option<Self> {
+        let mut sides: [(Vec<Sample>, Vec<u32>, f64); 2] = Default::default();
+        for f in 0..target.triangles.len() as u32 {
+            let Some(ends) = levels.crossing(target, f) else { continue };
+            let corners = plane.corners(target, f);
             let place = |weights: [f64; 3]| (0..3).map(|k| corners[k] * weights[k]).sum::<Vec2>();
-            let [a, b] = self.crossing(target, *face)?.map(|(weights, _)| place(weights));
-            Some(Sample { place: 0.5 * (a + b), weight: (b - a).norm(), along: *along })
+            let [a, b] = ends.map(|(weights, _)| place(weights));
+            let (samples, faces, length) = &mut sides[usize::from(plane.looks_up[f as usize])];
+            let weight = (b - a).norm();
+            samples.push(Sample { place: 0.5 * (a + b), weight, along: 0.5 * (ends[0].1 + ends[1].1) });
+            faces.push(f);
+            *length += weight;
+        }
+        let [down, up] = sides;
+        let looks_up = up.2 >= down.2;
+        let (samples, faces, _) = if looks_up { up } else { down };
+        let fit = StraightLine::fit(&samples)?;
+        (fit.rms <= TUNING.max_straight_rms).then_some(Self { fit, samples, faces, looks_up })
+    }
+
+    /// First and last place on the line [m].
+    fn ends(&self) -> [Vec2; 2] {
+        let along = |sample: &Sample| self.fit.direction.dot(&(sample.place - self.fit.centre));
+        let (low, high) =
+            self.samples.iter().map(along).fold((0.0f64, 0.0f64), |(l, h), t| (l.min(t), h.max(t)));
+        [low, high].map(|t| self.fit.centre + self.fit.direction * t)
+    }
+
+    /// The line through all of the same fold, those of `of_fold` with this one, and the distance from it to this one's [m].
+    fn on_fold<'a>(&self, of_fold: impl Iterator<Item = &'a Self>) -> (StraightLine, f64) {
+        let ends_of = |line: &Self| {
+            let ends = line.ends();
+            let weight = (ends[1] - ends[0]).norm();
+            ends.map(|place| Sample { place, weight, along: self.fit.direction.dot(&place) })
         };
-        crossed.iter().filter_map(sample).collect()
+        let ends: Vec<Sample> = of_fold.flat_map(ends_of).collect();
+        let weights: Vec<f64> = ends.iter().map(|end| end.weight).collect();
+        let apart =
+            |fit: &StraightLine| self.ends().iter().map(|end| fit.place(end)[0].abs()).fold(0.0, f64::max);
+        let own = || (self.fit.clone(), 0.0);
+        let Some(common) = StraightLine::weighted(&ends, &weights) else { return own() };
+        let shift = apart(&common);
+        let weights: Vec<f64> = self.samples.iter().map(|sample| sample.weight).collect();
+        let knots = common.knots(&self.samples, &weights);
+        if shift > TUNING.max_straight_rms || knots.is_empty() {
+            return own();
+        }
+        (StraightLine { knots, ..common }, shift)
+    }
+
+    /// Triangles beside the line `fit`, which is `shift` [m] from this one at most: on its layer, over the length of `line`.
+    fn faces_beside(
+        &self,
+        fit: &StraightLine,
+        shift: f64,
+        target: &GarmentSurface,
+        plane: &LyingPlane,
+        line: &CreaseLine,
+    ) -> Vec<u32> {
+        let is_beside = |f: u32| {
+            let places = plane.corners(target, f).map(|x| fit.place(&x));
+            let is_near = places.iter().any(|[level, _]| level.abs() <= line.reach + shift);
+            let crosses =
+                places.iter().any(|[level, _]| *level < 0.0) && places.iter().any(|[level, _]| *level >= 0.0);
+            plane.looks_up[f as usize] == self.looks_up
+                && (is_near || crosses)
+                && places.iter().any(|[_, along]| line.reaches(*along))
+        };
+        let mut open = self.faces.clone();
+        let mut found: BTreeSet<u32> = open.iter().copied().collect();
+        while let Some(f) = open.pop() {
+            for e in target.topology.triangle_edges[f as usize] {
+                let Some(h) = target.topology.edge_hinge[e as usize] else { continue };
+                for g in target.topology.hinges[h as usize].triangles {
+                    if !found.contains(&g) && is_beside(g) {
+                        found.insert(g);
+                        open.push(g);
+                    }
+                }
+            }
+        }
+        found.into_iter().collect()
     }
 }
 
 impl StraightLine {
-    /// The cloth of `target` around this line on `strip`, unrolled along it over the length of `line`: first what it crosses, then what lies beside
-    /// that, outwards, so that cloth of another place that unrolls to the same is left out.
-    fn strip<'a>(
-        &self,
-        strip: &UnrolledStrip,
-        target: &'a GarmentSurface,
-        line: &CreaseLine,
-    ) -> Option<UnrolledStrip<'a>> {
-        let middle = 0.5 * line.length();
-        let start = strip.order.iter().filter_map(|face| {
-            let corners = strip.corners(*face)?;
-            let levels = corners.map(|x| self.place(&x)[0]);
-            let crosses = levels.iter().any(|level| *level < 0.0) && levels.iter().any(|level| *level >= 0.0);
-            let along = self.place(&((corners[0] + corners[1] + corners[2]) / 3.0))[1];
-            crosses.then_some(((along - middle).abs(), *face, *corners))
-        });
-        let (_, first, corners) = start.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)))?;
-        let mut own = UnrolledStrip::of(target, first, corners);
-        let middle_of = |side: &[Vec2; 2]| self.place(&(0.5 * (side[0] + side[1])));
-        own.grow(|_, side, _| {
-            let [a, b] = side.map(|x| self.place(&x)[0]);
-            let [_, along] = middle_of(side);
-            ((a < 0.0) != (b < 0.0) && line.reaches(along)).then_some((along - middle).abs())
-        });
-        own.grow(|_, side, corners| {
-            let [level, along] = middle_of(side);
-            let [beyond, _] = self.place(&((corners[0] + corners[1] + corners[2]) / 3.0));
-            let is_outward = level * beyond > 0.0 && beyond.abs() >= level.abs();
-            (is_outward && level.abs() <= line.reach && line.reaches(along)).then_some(level.abs())
-        });
-        Some(own)
-    }
-
     /// The line with the least distances from `samples`, of which those far off count less (iteratively reweighted least squares).
     fn fit(samples: &[Sample]) -> Option<Self> {
         let mut weights: Vec<f64> = samples.iter().map(|sample| sample.weight).collect();

@@ -26,6 +26,7 @@ mod limb_alignment;
 mod limbs;
 mod line_levels;
 mod line_memory;
+mod lying_plane;
 mod matching;
 mod mesh_on_target;
 mod openings;
@@ -36,7 +37,6 @@ mod relax;
 mod simulated_texture;
 mod texture_agreement;
 mod tuning;
-mod unrolled_strip;
 mod warnings;
 
 pub use builder::Transfer;

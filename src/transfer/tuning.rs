@@ -111,17 +111,21 @@ pub(super) struct TransferTuning {
     pub min_crease_line_angle: f64,
     /// Length of a crease line [fraction], default 0.05: a fold goes across a garment, wrinkles do not.
     pub min_crease_line_fraction: f64,
-    /// Distance of a point of a crease from straight, on the unrolled cloth, from which it has a kink there [m], default 8e-3: the distance of a row.
+    /// Distance of a point of a crease from straight, where the source lies, from which it has a kink there [m], default 8e-3: the distance of a row.
     pub max_straight_deviation: f64,
-    /// Length of a straight part of a crease, at least [m], default 0.06: one with shorter parts is a curve.
+    /// Length of a straight part of a crease, at least [m], default 0.06.
     pub min_straight_crease: f64,
+    /// Part of a crease that is straight between kinks, at least, else it is a curve [-], default 0.8.
+    pub min_straight_fraction: f64,
+    /// Distance of the ends of a crease from the line of a fold up to which it belongs to that [m], default 0.016: layers slide where they lie.
+    pub max_fold_deviation: f64,
     /// Distance between a matched crease and a straight one from which it says less about where that lies [m], default 4e-3.
     pub straight_scale: f64,
     /// Root mean square of that distance above which a crease is not drawn straight [m], default 0.03.
     pub max_straight_rms: f64,
     /// Stretches of a straight line over which the place on the source's is averaged [m], default 0.04.
     pub straight_knot_spacing: f64,
-    /// Rounds in which a straight line is fitted, and in which the cloth along it is unrolled again, default 5.
+    /// Rounds in which a straight line is fitted, default 5.
     pub straight_rounds: usize,
     /// Smallest distance of the row of edges beside a crease line [m], default 4e-3.
     pub min_crease_row: f64,
@@ -195,6 +199,8 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     min_crease_line_fraction: 0.05,
     max_straight_deviation: 8e-3,
     min_straight_crease: 0.06,
+    min_straight_fraction: 0.8,
+    max_fold_deviation: 0.016,
     straight_scale: 4e-3,
     max_straight_rms: 0.03,
     straight_knot_spacing: 0.04,

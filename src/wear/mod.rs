@@ -23,7 +23,7 @@ pub use actions::{
 };
 pub use fraction::Fraction2;
 pub use layout::draw_lines::{DrawnLines, draw_fold_lines};
-pub use layout::flat_layout::{LayoutQuality, MAX_CUT_STRAIN};
+pub use layout::flat_layout::{LayoutQuality, MAX_CUT_STRAIN, lying_places};
 pub use layout::fold_layout::{FoldLayout, Foresight};
 pub use layout::line_layout::is_row;
 pub use layout::roll_map::RollRecord;

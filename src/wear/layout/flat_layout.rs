@@ -79,6 +79,15 @@ impl fmt::Display for LayoutQuality {
     }
 }
 
+/// Where cloth at `source` [m] (y up) lies when it is laid out flat [m]; `None` only where positions are not finite.
+pub fn lying_places(source: &[Vec3], triangles: &[[PointIndex; 3]]) -> Option<Vec<Vec3>> {
+    let topology = &Topology::new(source.len(), triangles);
+    let sides = LayoutSides::new(source, triangles, topology, &neighbours(source, triangles, topology))?;
+    let weights: Vec<[f64; 3]> =
+        triangles.iter().map(|t| cotangents(&triangle::corners(source, t))).collect();
+    Some(PlaneMap::new(source, triangles, topology, &weights, &sides.up)?.positions(source))
+}
+
 /// What does not change from round to round.
 struct Cloth<'a> {
     source: &'a [Vec3],
