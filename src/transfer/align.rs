@@ -4,14 +4,16 @@
 use crate::transfer::canonical_pose::CanonicalPose;
 use crate::transfer::limb_alignment::{Figure, LimbAlignment, align_limbs, hang_from_one_place, scaling};
 use crate::transfer::limbs::{Anatomy, Region};
+use crate::transfer::lying_plane::lying;
 use crate::transfer::openings::{BodyScale, body_scale};
 use crate::transfer::options::{Align, AlignedBy, TransferOptions, TransferSource};
-use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs};
+use crate::transfer::registration::{AffineMap, PointPair, Registration, joint_point_pairs, moved};
 use crate::transfer::tuning::TUNING;
 use crease_geometry::math::{Mat3, Vec3};
+use crease_geometry::mesh::distance::barycentric;
 use crease_geometry::mesh::triangle_bvh::TriangleBvh;
 use crease_model::error::{Error, Message, Result, Setting};
-use crease_model::remesh::GarmentSurface;
+use crease_model::remesh::{GarmentSurface, SimulationMesh};
 
 /// The target of an alignment.
 pub(super) struct AlignmentTarget {
@@ -19,13 +21,51 @@ pub(super) struct AlignmentTarget {
     pub pose: CanonicalPose,
     /// Its surface in that pose.
     pub canonical: GarmentSurface,
+    /// Its points in the file [m], where that pose is not the one of the file: it was laid.
+    file_points: Option<Vec<Vec3>>,
 }
 
 impl AlignmentTarget {
-    /// `target` in its canonical pose.
-    pub fn new(target: &GarmentSurface) -> Self {
+    /// `target` in its canonical pose for `sources`: as it lies where they do and nothing but their shape aligns them.
+    pub fn new(target: &GarmentSurface, sources: &[TransferSource], options: &TransferOptions) -> Self {
         let pose = CanonicalPose::of(target);
-        Self { pose, canonical: pose.apply(target, Vec3::repeat(1.0)) }
+        let standing = Self { pose, canonical: pose.apply(target, Vec3::repeat(1.0)), file_points: None };
+        let lies = |source: &TransferSource| {
+            CanonicalPose::of(&source.surface).flat && standing.has_only_its_shape(source, options)
+        };
+        if pose.flat || !sources.iter().all(lies) {
+            return standing;
+        }
+        let Some(laid) = lying(&standing.canonical) else { return standing };
+        let pose = CanonicalPose::of(&laid);
+        let canonical = pose.apply(&laid, Vec3::repeat(1.0));
+        Self { pose, canonical, file_points: Some(target.points.clone()) }
+    }
+
+    /// Whether nothing but its shape aligns `source` with the target.
+    fn has_only_its_shape(&self, source: &TransferSource, options: &TransferOptions) -> bool {
+        let pose = &CanonicalPose::of(&source.surface);
+        let joints = || joint_point_pairs(&source.joints, &options.joints, pose.size.norm());
+        let alignment = Alignment { source, surface: &source.surface, pose, target: self };
+        options.landmarks.is_empty()
+            && match options.align {
+                Align::Box => true,
+                Align::Auto => (options.mirror_x || joints().is_empty()) && !alignment.shares_its_place(),
+                Align::InPlace | Align::Joints => false,
+            }
+    }
+
+    /// The surface of `mesh`, which lies on the target, in its canonical pose.
+    pub fn surface_of(&self, mesh: &SimulationMesh) -> GarmentSurface {
+        let own = GarmentSurface::without_texture(&mesh.garment);
+        let Some(file) = &self.file_points else { return self.pose.apply(&own, Vec3::repeat(1.0)) };
+        let place = |(x, &f): (&Vec3, &u32)| -> Vec3 {
+            let t = self.canonical.triangles[f as usize];
+            let weights = barycentric(x, &t.map(|p| file[p.at()]));
+            t.iter().zip(weights).map(|(p, weight)| self.canonical.points[p.at()] * weight).sum()
+        };
+        let points = own.points.iter().zip(&mesh.source_triangle).map(place).collect();
+        moved(&own, points)
     }
 }
 
@@ -76,7 +116,7 @@ impl Alignment<'_> {
 
     /// Whether the source, `placed` as its file has it, and the target are one kind of garment in two sizes.
     fn is_another_size(&self, placed: &GarmentSurface) -> bool {
-        let AlignmentTarget { pose, canonical } = self.target;
+        let AlignmentTarget { pose, canonical, .. } = self.target;
         let scale = self.pose.scale_to(pose);
         let differs = |ratio: f64| ratio.ln().abs() > TUNING.max_size_deviation;
         if !differs(scale.x) && !differs(scale.y) {
@@ -104,7 +144,7 @@ impl Alignment<'_> {
 
     /// The source registered limb by limb, where both garments have some and their boxes mislead.
     fn by_limbs(&self) -> Option<AlignedSource> {
-        let AlignmentTarget { pose, canonical } = self.target;
+        let AlignmentTarget { pose, canonical, .. } = self.target;
         let own = self.pose.apply(self.surface, Vec3::repeat(1.0));
         let source = Figure { surface: &own, anatomy: &Anatomy::of(&own) };
         let target = Figure { surface: canonical, anatomy: &Anatomy::of(canonical) };
@@ -122,7 +162,7 @@ impl Alignment<'_> {
         if let Some(aligned) = self.by_limbs() {
             return aligned;
         }
-        let AlignmentTarget { pose, canonical } = self.target;
+        let AlignmentTarget { pose, canonical, .. } = self.target;
         let Some(BodyScale { scale, shift }) = body_scale(self.surface, self.pose, canonical, pose) else {
             return self.by_box();
         };

@@ -27,8 +27,8 @@ pub(super) struct CreaseLine {
     pub angle: Vec<f64>,
     /// Hinges of the source between each two of them, with those of the rows beside it.
     pub hinges: Vec<Vec<u32>>,
-    /// Number of the fold that made it, if it is straight where the source lies: lines of one fold lie on one straight line there.
-    pub fold: Option<usize>,
+    /// The fold that made it, if it is straight where the source lies: lines of one fold lie on one straight line there.
+    pub fold: Option<Fold>,
     /// Triangles of the source around it, on its own layer.
     around: FxHashSet<u32>,
     /// Height of the triangles beside it [m]: what lies farther off does not belong to the crease.
@@ -163,15 +163,20 @@ impl CreaseLine {
 /// Part of a crease.
 struct Part {
     hinges: Range<usize>,
-    /// Number of its fold, if it is straight where the source lies.
-    fold: Option<usize>,
+    /// Its fold, if it is straight where the source lies.
+    fold: Option<Fold>,
 }
 
-/// Straight line where a source lies, in which a fold was made.
-struct Fold {
-    place: Vec2,
-    /// Unit vector.
-    along: Vec2,
+/// Straight line where a source lies, in which a fold was made: two places on it, as fractions of the box of what lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Fold(pub [Vec2; 2]);
+
+impl Fold {
+    /// The two places where `plane` lies [m].
+    pub fn on(&self, plane: &LyingPlane) -> [Vec2; 2] {
+        let [low, high] = plane.bounds();
+        self.0.map(|fraction| low + fraction.component_mul(&(high - low)))
+    }
 }
 
 /// The parts of `chain` between the kinks of its line and where the cloth turns over; `None` for one that is not straight between them. Their folds are
@@ -181,7 +186,7 @@ fn straight_parts(
     whole: &CreaseLine,
     surface: &GarmentSurface,
     plane: &LyingPlane,
-    folds: &mut Vec<Fold>,
+    folds: &mut Vec<[Vec2; 2]>,
 ) -> Option<Vec<Part>> {
     let looks_up = |k: &usize| {
         let [f, _] = surface.topology.hinges[chain.hinges[*k] as usize].triangles;
@@ -199,21 +204,24 @@ fn straight_parts(
     if straight < TUNING.min_straight_fraction * whole.length() {
         return None;
     }
+    let [low, high] = plane.bounds();
     let with_fold = |hinges: Range<usize>| {
         let fold = is_long(&hinges).then(|| fold_of([places[hinges.start], places[hinges.end]], folds));
-        Part { hinges, fold }
+        let fraction = |x: Vec2| (x - low).component_div(&(high - low));
+        Part { hinges, fold: fold.map(|ends| Fold(ends.map(fraction))) }
     };
     Some(parts.into_iter().map(with_fold).collect())
 }
 
-/// The number of the fold among `folds` that has a line between `ends`; it is added where none has.
-fn fold_of(ends: [Vec2; 2], folds: &mut Vec<Fold>) -> usize {
-    let apart = |fold: &Fold, end: &Vec2| (end - fold.place).perp(&fold.along).abs();
-    let has = |fold: &Fold| ends.iter().all(|end| apart(fold, end) <= TUNING.max_fold_deviation);
-    folds.iter().position(has).unwrap_or_else(|| {
-        let along = (ends[1] - ends[0]).try_normalize(0.0).unwrap_or_else(Vec2::x);
-        folds.push(Fold { place: 0.5 * (ends[0] + ends[1]), along });
-        folds.len() - 1
+/// The fold among `folds`, of which two places are known [m], that has a line between `ends`; it is added where none has.
+fn fold_of(ends: [Vec2; 2], folds: &mut Vec<[Vec2; 2]>) -> [Vec2; 2] {
+    let has = |fold: &&[Vec2; 2]| {
+        let along = (fold[1] - fold[0]).try_normalize(0.0).unwrap_or_else(Vec2::x);
+        ends.iter().all(|end| (end - fold[0]).perp(&along).abs() <= TUNING.max_fold_deviation)
+    };
+    folds.iter().find(has).copied().unwrap_or_else(|| {
+        folds.push(ends);
+        ends
     })
 }
 

@@ -63,7 +63,9 @@ impl LineLevels {
             let Some(one) = &own[k] else { return levels };
             let is_same_fold = |(_, line): &(&Option<LyingLine>, &CreaseLine)| line.fold == lines[k].fold;
             let of_fold = own.iter().zip(lines).filter(is_same_fold).filter_map(|(own, _)| own.as_ref());
-            let (fit, shift) = one.on_fold(of_fold);
+            let of_fold: Vec<&LyingLine> = of_fold.collect();
+            let as_lying = lines[k].fold.map(|fold| fold.on(&plane));
+            let (fit, shift) = one.on_fold(&of_fold, as_lying);
             let faces = one.faces_beside(&fit, shift, target, &plane, &lines[k]);
             levels.placed_by(&fit, &faces, target, &plane, &lines[k])
         };
@@ -167,26 +169,33 @@ impl LyingLine {
         [low, high].map(|t| self.fit.centre + self.fit.direction * t)
     }
 
-    /// The line through all of the same fold, those of `of_fold` with this one, and the distance from it to this one's [m].
-    fn on_fold<'a>(&self, of_fold: impl Iterator<Item = &'a Self>) -> (StraightLine, f64) {
-        let ends_of = |line: &Self| {
+    /// The line of the fold of all creases `of_fold`, with this one, and the distance from it to this one [m]: through the two places `as_lying` [m], where
+    /// the source has it as it lies, if the matches of all creases are near that, else through those matches.
+    fn on_fold(&self, of_fold: &[&Self], as_lying: Option<[Vec2; 2]>) -> (StraightLine, f64) {
+        let sample = |place: Vec2, weight| Sample { place, weight, along: self.fit.direction.dot(&place) };
+        let through = |ends: &[Sample], max: f64| {
+            let weights: Vec<f64> = ends.iter().map(|end| end.weight).collect();
+            let line = StraightLine::weighted(ends, &weights)?;
+            let apart =
+                |own: &Self| own.ends().iter().map(|end| line.place(end)[0].abs()).fold(0.0, f64::max);
+            if of_fold.iter().any(|own| apart(own) > max) {
+                return None;
+            }
+            let weights: Vec<f64> = self.samples.iter().map(|sample| sample.weight).collect();
+            let knots = line.knots(&self.samples, &weights);
+            (!knots.is_empty()).then(|| (StraightLine { knots, ..line.clone() }, apart(self)))
+        };
+        let ends_of = |line: &&Self| {
             let ends = line.ends();
             let weight = (ends[1] - ends[0]).norm();
-            ends.map(|place| Sample { place, weight, along: self.fit.direction.dot(&place) })
+            ends.map(|place| sample(place, weight))
         };
-        let ends: Vec<Sample> = of_fold.flat_map(ends_of).collect();
-        let weights: Vec<f64> = ends.iter().map(|end| end.weight).collect();
-        let apart =
-            |fit: &StraightLine| self.ends().iter().map(|end| fit.place(end)[0].abs()).fold(0.0, f64::max);
-        let own = || (self.fit.clone(), 0.0);
-        let Some(common) = StraightLine::weighted(&ends, &weights) else { return own() };
-        let shift = apart(&common);
-        let weights: Vec<f64> = self.samples.iter().map(|sample| sample.weight).collect();
-        let knots = common.knots(&self.samples, &weights);
-        if shift > TUNING.max_straight_rms || knots.is_empty() {
-            return own();
-        }
-        (StraightLine { knots, ..common }, shift)
+        as_lying
+            .and_then(|ends| through(&ends.map(|place| sample(place, 1.0)), TUNING.max_fold_shift))
+            .or_else(|| {
+                through(&of_fold.iter().flat_map(ends_of).collect::<Vec<_>>(), TUNING.max_straight_rms)
+            })
+            .unwrap_or_else(|| (self.fit.clone(), 0.0))
     }
 
     /// Triangles beside the line `fit`, which is `shift` [m] from this one at most: on its layer, over the length of `line`.

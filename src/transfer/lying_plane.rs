@@ -1,5 +1,6 @@
 //! Places of a garment's surface where it lies flat, front up: a fold is one straight line there, through all layers.
 
+use crate::transfer::registration::moved;
 use crate::wear::lying_places;
 use crease_geometry::math::{Vec2, Vec3, bounds};
 use crease_model::garment::is_flat_across;
@@ -11,6 +12,17 @@ pub(super) struct LyingPlane {
     pub places: Vec<Vec2>,
     /// One per triangle.
     pub looks_up: Vec<bool>,
+}
+
+/// Depth of what lies relative to that of what stands: enough to tell the front from the back.
+const LYING_DEPTH: f64 = 0.01;
+
+/// The surface `canonical`, which stands upright with its front along z, as it lies: its height is then the length of the cloth. `None` where its points
+/// are not finite.
+pub(super) fn lying(canonical: &GarmentSurface) -> Option<GarmentSurface> {
+    let plane = LyingPlane::of(canonical)?;
+    let places = plane.places.iter().zip(&canonical.points);
+    Some(moved(canonical, places.map(|(place, x)| Vec3::new(place.x, place.y, LYING_DEPTH * x.z)).collect()))
 }
 
 impl LyingPlane {
@@ -29,6 +41,14 @@ impl LyingPlane {
             (b - a).perp(&(c - a)) > 0.0
         });
         Some(Self { looks_up: looks_up.collect(), places })
+    }
+
+    /// Lowest and highest place [m].
+    pub fn bounds(&self) -> [Vec2; 2] {
+        let all = self.places.iter();
+        all.fold([Vec2::repeat(f64::INFINITY), Vec2::repeat(f64::NEG_INFINITY)], |[low, high], x| {
+            [low.inf(x), high.sup(x)]
+        })
     }
 
     /// Corners of the triangle `t` [m].

@@ -262,8 +262,7 @@ impl LinedMemory<'_> {
     pub fn resampled_on(&self, mesh: &SimulationMesh, aligned_to: &AlignmentTarget) -> MemoryDelta {
         let Self { source, lines, levels, finder } = self;
         let on_target = MeshOnTarget::new(finder, &aligned_to.canonical, mesh);
-        let own = GarmentSurface::without_texture(&mesh.garment);
-        let own = aligned_to.pose.apply(&own, Vec3::repeat(1.0));
+        let own = aligned_to.surface_of(mesh);
         let orientation = source.orientation(aligned_to);
         let LineMemory { angle, carried } = LineMemory::new(lines, levels, &on_target, &own, orientation);
         // What lies on the lines goes from hinge to hinge, the rest as a field.

@@ -47,7 +47,7 @@ pub(super) fn transfer_along_creases(
     {
         return transfer_to_cloth(sources, target, &rigid, make, options);
     }
-    let aligned_to = AlignmentTarget::new(target);
+    let aligned_to = AlignmentTarget::new(target, sources, options);
     if let [source] = sources
         && options.keep_values()
         && source.surface.is_same_mesh(target)

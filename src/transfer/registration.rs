@@ -105,22 +105,26 @@ impl Registration {
 
     /// `surface` with its points mapped; the warp direction follows its triangle.
     pub fn apply(&self, surface: &GarmentSurface) -> GarmentSurface {
-        let points: Vec<Vec3> = surface.points.iter().map(|p| self.map_point(p)).collect();
-        let map_warp = |(t, w): (&[PointIndex; 3], &Vec3)| {
-            let sides = |x: &[Vec3]| {
-                let [a, b, c] = t.map(|p| x[p.at()]);
-                [b - a, c - a]
-            };
-            let ([u, v], [to_u, to_v]) = (sides(&surface.points), sides(&points));
-            // The warp as a linear combination of both sides.
-            let normal = u.cross(&v);
-            let size = normal.norm_squared().max(f64::MIN_POSITIVE);
-            let (of_u, of_v) = (w.cross(&v).dot(&normal) / size, u.cross(w).dot(&normal) / size);
-            (to_u * of_u + to_v * of_v).try_normalize(0.0).unwrap_or_else(Vec3::x)
-        };
-        let warp = surface.warp.as_ref().map(|all| surface.triangles.iter().zip(all).map(map_warp).collect());
-        GarmentSurface { points, warp, ..surface.clone() }
+        moved(surface, surface.points.iter().map(|p| self.map_point(p)).collect())
     }
+}
+
+/// `surface` with its points at `points` [m]; the warp direction follows its triangle.
+pub(super) fn moved(surface: &GarmentSurface, points: Vec<Vec3>) -> GarmentSurface {
+    let map_warp = |(t, w): (&[PointIndex; 3], &Vec3)| {
+        let sides = |x: &[Vec3]| {
+            let [a, b, c] = t.map(|p| x[p.at()]);
+            [b - a, c - a]
+        };
+        let ([u, v], [to_u, to_v]) = (sides(&surface.points), sides(&points));
+        // The warp as a linear combination of both sides.
+        let normal = u.cross(&v);
+        let size = normal.norm_squared().max(f64::MIN_POSITIVE);
+        let (of_u, of_v) = (w.cross(&v).dot(&normal) / size, u.cross(w).dot(&normal) / size);
+        (to_u * of_u + to_v * of_v).try_normalize(0.0).unwrap_or_else(Vec3::x)
+    };
+    let warp = surface.warp.as_ref().map(|all| surface.triangles.iter().zip(all).map(map_warp).collect());
+    GarmentSurface { points, warp, ..surface.clone() }
 }
 
 /// The least-squares similarity that takes sources to targets. `None` for collinear points.

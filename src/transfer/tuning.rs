@@ -119,6 +119,9 @@ pub(super) struct TransferTuning {
     pub min_straight_fraction: f64,
     /// Distance of the ends of a crease from the line of a fold up to which it belongs to that [m], default 0.016: layers slide where they lie.
     pub max_fold_deviation: f64,
+    /// Distance of the matches of a fold from where the source has it as it lies, up to which it goes there [m], default 0.06: more cloth lies so differently
+    /// that fractions of its box say nothing.
+    pub max_fold_shift: f64,
     /// Distance between a matched crease and a straight one from which it says less about where that lies [m], default 4e-3.
     pub straight_scale: f64,
     /// Root mean square of that distance above which a crease is not drawn straight [m], default 0.03.
@@ -201,6 +204,7 @@ pub(super) const TUNING: TransferTuning = TransferTuning {
     min_straight_crease: 0.06,
     min_straight_fraction: 0.8,
     max_fold_deviation: 0.016,
+    max_fold_shift: 0.06,
     straight_scale: 4e-3,
     max_straight_rms: 0.03,
     straight_knot_spacing: 0.04,
