@@ -4,8 +4,8 @@ use crate::bake::body::leash::GarmentLeash;
 use crate::bake::body::start::body_at_first_key;
 use crate::bake::checkpoint::Checkpoint;
 use crate::bake::plan::laid_out;
+use crate::bake::relax::garment_reading::GarmentReading;
 use crate::bake::relax::relax_to_source::{RelaxOptions, relax_to_source_pose};
-use crate::bake::relax::uncross::GarmentReading;
 
 use crate::bake::run::findings::add_findings;
 use crate::bake::run::lay_first::mesh_for;
@@ -287,10 +287,9 @@ impl<'a> Bake<'a> {
         let choice = mesh_for(&setup, observer)?;
         let decision = choice.decision.clone();
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
-        let reading = GarmentReading::new(garment, fabric.thickness(), options.body.as_deref());
-        let shown = options.shows_garment().then_some(&reading);
-        let simulated = simulate(resume_from, choice, shown, &setup, observer)?;
-        let SimulationResult { mesh, positions, rest, start, mut report, mut seconds, mut stepper } =
+        let reading = GarmentReading::new(garment, options.body.as_deref());
+        let simulated = simulate(resume_from, choice, &setup, observer)?;
+        let SimulationResult { mesh, positions, end, rest, start, mut report, mut seconds, mut stepper } =
             simulated;
         report.decisions.push(decision);
 
@@ -331,7 +330,7 @@ impl<'a> Bake<'a> {
         report.warn(relaxed.warnings);
         report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
         report.stages = seconds.named();
-        let end = reading.read(&mesh, &positions).points;
+        let end = end.unwrap_or_else(|| mesh.to_source(&positions));
         let worn = WornGarment { displacement, memory };
         let on_mesh = WornGarment { displacement: relaxed.displacement, memory: rest };
         let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };

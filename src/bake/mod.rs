@@ -34,11 +34,11 @@ pub use choose_mesh::{MeshChoice, RefinementRule};
 pub use options::BakeOptions;
 pub use plan::{ModelDecision, ModelPlan};
 pub use quality::Quality;
+pub(crate) use relax::garment_reading::GarmentReading;
 pub use relax::given_memory::{relax, rest_mesh};
 pub(crate) use relax::given_memory::{relax_at_strength, relax_to_show};
 pub(crate) use relax::relax_to_source::RelaxOptions;
 pub use relax::relax_to_source::RelaxResult;
-pub(crate) use relax::uncross::GarmentReading;
 pub use report::{
     BakeReport, BakeResult, EarlyStop, SimulatedGarment, StageSeconds, StepConvergence, StopCause,
 };

@@ -23,8 +23,8 @@ pub(super) struct BakeTuning {
     pub body_watch: BodyWatchTuning,
     /// Relaxation to the source pose.
     pub relax: RelaxTuning,
-    /// Layers kept apart where the garment's own triangles would cross.
-    pub uncross: UncrossTuning,
+    /// Triangles of the garment that follow the simulated mesh.
+    pub follow: FollowTuning,
     /// Warnings.
     pub warnings: WarningTuning,
     pub findings: FindingTuning,
@@ -280,20 +280,39 @@ pub(super) struct RelaxTuning {
 
 /// Layers kept apart where the garment's own triangles would cross.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct UncrossTuning {
-    /// Least distance by which layers that cross are moved apart in a round [m], default 8e-4: layers of thin cloth lie nearer than chords
-    /// over their folds reach.
-    pub min_gap: f64,
-    /// Rounds at most, default 300: coarse triangles over a stack of many layers need most.
-    pub max_rounds: usize,
-    /// Rounds in which displacements are held back at most, default 60.
+pub(super) struct FollowTuning {
+    /// Distance within which layers push one another apart [m], default 3e-4: layers of thin cloth lie no nearer on the simulated mesh.
+    pub contact_distance: f64,
+    /// The same at most, as a fraction of the mean edge [-], default 0.05: a doll's garment is thin.
+    pub max_contact_edge_fraction: f64,
+    /// Stiffness of contact over that of the tether [-], default 1000: a chord that cuts 5 mm off a fold takes half of the distance.
+    pub contact_stiffness: f64,
+    /// Stiffness of an edge over that of the tether of a point of the mean area [-], default 1: a shift decays over one to two edges.
+    pub edge_stiffness: f64,
+    /// Least area of a point for its tether, as a fraction of the mean [-], default 1e-3.
+    pub min_area_fraction: f64,
+    /// Motion that is followed at once at most [m], default 0.02: layers on one another get stuck in longer ones.
+    pub max_step: f64,
+    /// The same where the garment was put elsewhere [m], default 0.01: its layers pass one another.
+    pub max_step_elsewhere: f64,
+    /// Steps of a motion at most, default 200.
+    pub max_steps: f64,
+    /// Motion that is followed at least [m], default 2e-5; what moves less stays where it is.
+    pub min_motion: f64,
+    /// Rings of points that move along with those that do, default 2.
+    pub free_rings: usize,
+    /// Iterations of a step at most, default 10; what is left is made up for in the next.
+    pub max_iterations: usize,
+    /// Displacement of an iteration at which a step ends [m], default 1e-4.
+    pub displacement_tol: f64,
+    /// Decrease of the energy at which a step ends, per stiffness [m^4], default 1e-9: 1 mm over 20 cm².
+    pub energy_tol: f64,
+    /// Distance between the garment's points and the simulated mesh from which on a warning counts the frame [m], default 0.01.
+    pub max_distance: f64,
+    /// Rounds in which the displacement of a result is held back from the body at most, default 60.
     pub max_hold_back_rounds: usize,
-    /// Factor on the mean of the shifts of a point [-], default 1.3.
-    pub over_relaxation: f64,
-    /// Factor per round on the displacement of triangles of the result that still cross [-], default 0.6.
+    /// Factor per round on the displacement of triangles that still cross the body [-], default 0.6.
     pub hold_back_factor: f64,
-    /// Distance from moved points within which crossings are looked for between rounds [m], default 0.03.
-    pub reach: f64,
 }
 
 /// Warnings.
@@ -435,13 +454,23 @@ impl BakeTuning {
             panel_width: 0.1,
             surface_radius: 0.2,
         },
-        uncross: UncrossTuning {
-            min_gap: 8e-4,
-            max_rounds: 300,
+        follow: FollowTuning {
+            contact_distance: 3e-4,
+            max_contact_edge_fraction: 0.05,
+            contact_stiffness: 1e3,
+            edge_stiffness: 1.0,
+            min_area_fraction: 1e-3,
+            max_step: 0.02,
+            max_step_elsewhere: 0.01,
+            max_steps: 200.0,
+            min_motion: 2e-5,
+            free_rings: 2,
+            max_iterations: 10,
+            displacement_tol: 1e-4,
+            energy_tol: 1e-9,
+            max_distance: 0.01,
             max_hold_back_rounds: 60,
-            over_relaxation: 1.3,
             hold_back_factor: 0.6,
-            reach: 0.03,
         },
         warnings: WarningTuning {
             max_pause: 0.25,

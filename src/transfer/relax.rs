@@ -34,7 +34,7 @@ pub fn relax_carried(garment: &Garment, fabric: &Fabric, carried: &TransferResul
     let options = RelaxOptions::visible_on(cloth, fabric, carried.strength);
     let shown = resolved_memory(mesh, memory);
     let relaxed = relax_to_show(&mesh.garment, fabric, &shown, &options);
-    let reading = GarmentReading::new(cloth, fabric.thickness(), None);
+    let reading = GarmentReading::new(cloth, None);
     let (displacement, _) = reading.displacement(mesh, &relaxed.displacement);
     let displacement = match &rigid {
         Some(rigid) => rigid.displacement(&displacement),

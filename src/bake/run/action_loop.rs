@@ -2,7 +2,7 @@
 
 use crate::bake::body::coupling::{StepRange, SteppedCloth};
 use crate::bake::plan::laid_out;
-use crate::bake::relax::uncross::{GarmentReading, ReadShape};
+use crate::bake::relax::garment_reading::{GarmentFrame, GarmentFrames};
 use crate::bake::run::checkpoint::{ActionProgress, CheckpointPosition};
 use crate::bake::run::frames::StepStart;
 use crate::bake::run::running_bake::Run;
@@ -127,6 +127,9 @@ impl Run<'_> {
                 if let Some(placed) = begun.start_positions {
                     self.state.x = placed;
                     self.state.stop();
+                    if let Some(frames) = self.of_garment.as_mut().filter(|_| self.frames.is_wanted()) {
+                        frames.put(&self.mesh, &self.state.x);
+                    }
                     if begun.runner.accumulates_memory() {
                         // The move as a whole is no bend.
                         let angle = self.stepper.cloth.bending.angles(&self.state.x, &self.state.angle);
@@ -221,7 +224,7 @@ impl Run<'_> {
         let (start, begin) = (action.start.clone(), action.begin);
         let progress = ActionProgress { start, begin, segment, dt_request, runner_state };
         let progress = self.refine(refinement, progress, &action.before);
-        if self.reading.is_none() {
+        if self.of_garment.is_none() {
             observer.on_mesh(&self.mesh.garment);
         }
         Some(progress)
@@ -335,9 +338,12 @@ impl Run<'_> {
             events: self.memory.events,
         });
         if let Some(start) = start {
-            let (mesh, reading) = (&self.mesh, &self.reading);
-            let mut show = |x: &[Vec3]| show_frame(observer, *reading, mesh, x);
+            let (mesh, of_garment) = (&self.mesh, &mut self.of_garment);
+            let mut show = |x: &[Vec3]| show_frame(observer, of_garment.as_mut(), mesh, x);
             self.frames.show_due(&start, &self.state, &mesh.garment.triangles, &offsets, &mut show)?;
+            if let Some(frames) = of_garment {
+                frames.keep_up(mesh, &self.state.x);
+            }
         }
         Ok(next)
     }
@@ -355,8 +361,8 @@ impl Run<'_> {
         if !self.frames.is_wanted() {
             return Ok(());
         }
-        let (mesh, reading) = (&self.mesh, &self.reading);
-        self.frames.show(&self.state.x, &mut |x| show_frame(observer, *reading, mesh, x))
+        let (mesh, of_garment) = (&self.mesh, &mut self.of_garment);
+        self.frames.show(&self.state.x, &mut |x| show_frame(observer, of_garment.as_mut(), mesh, x))
     }
 
     /// Makes one accepted step, on the body if there is one; also returns, on a body, how the frames that it passes from `start` differ from
@@ -403,19 +409,19 @@ fn towards(bend: f64, remembered: f64) -> f64 {
     bend.clamp(remembered.min(0.0), remembered.max(0.0))
 }
 
-/// Shows `mesh` with its points at `x` [m], or the garment if there is a `reading` of it; returns the number of pairs of triangles that
-/// cross there.
+/// Shows `mesh` with its points at `x` [m], or the garment if there are frames `of_garment`; returns the largest distance between the
+/// two [m].
 fn show_frame(
     observer: &mut dyn Observer,
-    reading: Option<&GarmentReading>,
+    of_garment: Option<&mut GarmentFrames>,
     mesh: &SimulationMesh,
     x: &[Vec3],
-) -> Result<u64> {
-    match reading {
-        Some(reading) => {
-            let ReadShape { points, crossing_pairs } = reading.read(mesh, x);
-            observer.frame(&points).map(|()| crossing_pairs)
+) -> Result<f64> {
+    match of_garment {
+        Some(frames) => {
+            let GarmentFrame { points, distance } = frames.show(mesh, x);
+            observer.frame(&points).map(|()| distance)
         }
-        None => observer.frame(x).map(|()| 0),
+        None => observer.frame(x).map(|()| 0.0),
     }
 }

@@ -35,7 +35,7 @@ use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
 /// Format and version of the file.
-pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/5";
+pub const CHECKPOINT_FORMAT: &str = "crease-checkpoint/6";
 
 /// State of a bake between two of its steps.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -53,6 +53,9 @@ pub struct Checkpoint {
     pub state: State,
     /// Tangential state of the frictional contacts.
     pub friction: Vec<TangentialState>,
+    /// The garment as frames show it, if they do.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub frame: Option<FrameShape>,
     /// The body and its contact, if there is one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub body: Option<BodyCheckpoint>,
@@ -60,6 +63,30 @@ pub struct Checkpoint {
     pub memory: Memory,
     /// Counts so far.
     pub counts: RunCounts,
+}
+
+/// The garment as the last frame shows it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FrameShape {
+    /// Positions, one per point [m].
+    #[serde(with = "crease_geometry::math::serde_vec::vectors")]
+    pub positions: Vec<Vec3>,
+    /// Places on the simulated mesh that they follow, one per point [m].
+    #[serde(with = "crease_geometry::math::serde_vec::vectors")]
+    pub followed: Vec<Vec3>,
+}
+
+impl From<[Vec<Vec3>; 2]> for FrameShape {
+    fn from([positions, followed]: [Vec<Vec3>; 2]) -> Self {
+        Self { positions, followed }
+    }
+}
+
+impl From<FrameShape> for [Vec<Vec3>; 2] {
+    fn from(FrameShape { positions, followed }: FrameShape) -> Self {
+        [positions, followed]
+    }
 }
 
 /// Position of a run in its script.

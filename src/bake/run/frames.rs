@@ -23,17 +23,17 @@ pub struct FrameSchedule {
     next: f64,
     /// Frames that the observer was given.
     pub shown: u64,
-    /// Those in which triangles cross.
+    /// Those in which the garment lies far from the simulated mesh somewhere.
     #[serde(default)]
-    pub crossing: u64,
-    /// Pairs of triangles that cross in one of them at most.
+    pub far: u64,
+    /// Largest distance between the two [m].
     #[serde(default)]
-    pub max_crossing_pairs: u64,
+    pub max_distance: f64,
 }
 
-/// Receives the positions of a frame, one per point of the simulated mesh [m]; returns the number of pairs of triangles that cross in
-/// what is shown.
-pub(in crate::bake) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<u64> + 'a;
+/// Receives the positions of a frame, one per point of the simulated mesh [m]; returns the largest distance between that and what is
+/// shown [m].
+pub(in crate::bake) type ShowFrame<'a> = dyn FnMut(&[Vec3]) -> Result<f64> + 'a;
 
 /// The state from which a step started.
 pub(in crate::bake) struct StepStart {
@@ -47,7 +47,7 @@ impl FrameSchedule {
     /// A schedule of `per_second` frames per simulated second; of none for 0.
     pub(in crate::bake) fn new(per_second: f64) -> Self {
         let interval = if per_second > 0.0 { 1.0 / per_second } else { f64::INFINITY };
-        Self { interval, next: 0.0, shown: 0, crossing: 0, max_crossing_pairs: 0 }
+        Self { interval, next: 0.0, shown: 0, far: 0, max_distance: 0.0 }
     }
 
     /// Whether there are to be frames.
@@ -105,13 +105,14 @@ impl FrameSchedule {
         Ok(())
     }
 
-    /// The warning that triangles cross in some frames; `None` if they cross in none.
+    /// The warning that some frames lie far from the simulated mesh; `None` if none does.
     pub(in crate::bake) fn warning(&self) -> Option<Message> {
-        let Self { crossing, shown, max_crossing_pairs, .. } = *self;
-        (crossing > 0).then(|| {
+        let Self { far, shown, max_distance, .. } = *self;
+        (far > 0).then(|| {
             let what = format!(
-                "the garment's own triangles cross in {crossing} of {shown} frames (up to {max_crossing_pairs} pairs): they are too coarse \
-                 for its folds there; those of the simulated mesh do not cross ("
+                "the garment's own triangles are too coarse for its folds in {far} of {shown} frames: so that they do not cross, they lie up to \
+                 {:.0} mm from the simulated mesh (",
+                1e3 * max_distance
             );
             Message::from(what) + Setting::FramesOf.to("simulated") + ")"
         })
@@ -119,10 +120,10 @@ impl FrameSchedule {
 
     /// Shows one frame.
     pub(in crate::bake) fn show(&mut self, positions: &[Vec3], show: &mut ShowFrame) -> Result<()> {
-        let pairs = show(positions)?;
+        let distance = show(positions)?;
         self.shown += 1;
-        self.crossing += u64::from(pairs > 0);
-        self.max_crossing_pairs = self.max_crossing_pairs.max(pairs);
+        self.far += u64::from(distance > TUNING.follow.max_distance);
+        self.max_distance = self.max_distance.max(distance);
         Ok(())
     }
 }

@@ -27,7 +27,7 @@ pub(in crate::bake) fn mesh_for(setup: &BakeSetup, observer: &mut dyn Observer) 
     let laid = match laid_out(&choice.mesh, &lay)? {
         Some(positions) => choice.mesh.to_source(&positions),
         None => {
-            let laid = simulate(None, choice, None, &lay, &mut LayObserver(observer))?;
+            let laid = simulate(None, choice, &lay, &mut LayObserver(observer))?;
             laid.mesh.to_source(&laid.positions)
         }
     };

@@ -5,9 +5,9 @@ use crate::bake::body::coupling::{BodyCheckpoint, BodyCoupling, SteppedCloth};
 use crate::bake::body::depenetration::depenetrate;
 use crate::bake::body::leash::GarmentLeash;
 use crate::bake::choose_mesh::RefinementRule;
-use crate::bake::relax::uncross::GarmentReading;
+use crate::bake::relax::garment_reading::GarmentFrames;
 use crate::bake::report::{BakeReport, StageSeconds, StepConvergence};
-use crate::bake::run::checkpoint::{Checkpoint, CheckpointPosition, RunCounts, fingerprint};
+use crate::bake::run::checkpoint::{Checkpoint, CheckpointPosition, FrameShape, RunCounts, fingerprint};
 use crate::bake::run::frames::FrameSchedule;
 use crate::bake::run::initial_intersections;
 use crate::bake::run::setup::{BakeSetup, BodySetup};
@@ -61,8 +61,8 @@ pub(in crate::bake) struct Run<'a> {
     pub seconds: StageSeconds,
     /// Times of frames.
     pub frames: FrameSchedule,
-    /// Reading of the mesh at the points of the garment, where frames show them.
-    pub reading: Option<&'a GarmentReading<'a>>,
+    /// Frames of the garment itself, where those are to be shown.
+    pub of_garment: Option<GarmentFrames<'a>>,
     /// Hash of the inputs.
     pub fingerprint: String,
     /// Simulated time at the end of the script [s].
@@ -79,7 +79,6 @@ impl<'a> Run<'a> {
     pub fn new(
         resume_from: Option<(&str, Checkpoint)>,
         mesh: MeshChoice,
-        reading: Option<&'a GarmentReading<'a>>,
         setup: &'a BakeSetup<'a>,
     ) -> Result<(Self, CheckpointPosition)> {
         let &BakeSetup { fabric, script, options, earlier, .. } = setup;
@@ -124,7 +123,7 @@ impl<'a> Run<'a> {
             plan,
             seconds: StageSeconds::default(),
             frames: FrameSchedule::new(options.frames_per_second),
-            reading,
+            of_garment: options.shows_garment().then(|| GarmentFrames::new(setup.garment)),
             fingerprint,
             total: script.duration_with_body(options.body.as_deref()),
             convergence: StepConvergence::default(),
@@ -207,6 +206,7 @@ impl<'a> Run<'a> {
             state: self.state.clone(),
             memory: self.memory.clone(),
             friction: self.stepper.contact.friction_state(),
+            frame: self.of_garment.as_ref().and_then(GarmentFrames::state).map(FrameShape::from),
             body: self.body.as_ref().zip(standing).map(|(body, standing)| body.checkpoint(&standing.pose)),
             counts: RunCounts {
                 steps: self.report.steps,
@@ -234,6 +234,9 @@ impl<'a> Run<'a> {
         self.state = from.state;
         self.memory = from.memory;
         self.stepper.contact.restore_friction_state(&from.friction);
+        if let Some((frames, shape)) = self.of_garment.as_mut().zip(from.frame) {
+            frames.restore(shape.into());
+        }
         self.report.steps = counts.steps;
         self.report.rejected = counts.rejected;
         self.report.solves = counts.solves;
@@ -268,6 +271,9 @@ impl<'a> Run<'a> {
     /// Drops what is cached between steps for speed alone, as a resumed run has none of it.
     pub fn clear_caches(&mut self) {
         self.stepper.clear_caches();
+        if let Some(frames) = &mut self.of_garment {
+            frames.clear_caches();
+        }
         if let Some(body) = &mut self.body {
             body.clear_caches();
         }

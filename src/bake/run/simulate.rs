@@ -1,6 +1,6 @@
 //! First phase of a bake: the script is run on the simulation mesh.
 
-use crate::bake::relax::uncross::GarmentReading;
+use crate::bake::relax::garment_reading::GarmentFrames;
 use crate::bake::report::{BakeReport, StageSeconds};
 use crate::bake::run::checkpoint::Checkpoint;
 use crate::bake::run::running_bake::Run;
@@ -18,6 +18,8 @@ pub(in crate::bake) struct SimulationResult {
     pub mesh: SimulationMesh,
     /// Positions at the end of the script, one per point [m].
     pub positions: Vec<Vec3>,
+    /// The garment as the last frame shows it [m], if frames show it.
+    pub end: Option<Vec<Vec3>>,
     /// The rest state that the script left.
     pub rest: RestState,
     /// The rest state that it began with, where the cloth was not new.
@@ -30,15 +32,14 @@ pub(in crate::bake) struct SimulationResult {
     pub stepper: Stepper,
 }
 
-/// Runs the script on `mesh`, whose frames show the garment as `reading` reads it, from its beginning or from a checkpoint (with its file name).
+/// Runs the script on `mesh`, from its beginning or from a checkpoint (with its file name).
 pub(in crate::bake) fn simulate(
     resume_from: Option<(&str, Checkpoint)>,
     mesh: MeshChoice,
-    reading: Option<&GarmentReading>,
     setup: &BakeSetup,
     observer: &mut dyn Observer,
 ) -> Result<SimulationResult> {
-    let (mut run, position) = Run::new(resume_from, mesh, reading, setup)?;
+    let (mut run, position) = Run::new(resume_from, mesh, setup)?;
     let first = position.action;
     let mut progress = position.into_progress();
     let mut actions = 0;
@@ -68,6 +69,7 @@ pub(in crate::bake) fn simulate(
     Ok(SimulationResult {
         mesh: run.mesh,
         positions: run.state.x,
+        end: run.of_garment.as_ref().and_then(GarmentFrames::last),
         rest: run.memory.rest,
         start: run.memory.start,
         report: run.report,

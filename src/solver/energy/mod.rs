@@ -10,6 +10,7 @@ mod drag;
 mod edge_contact;
 #[cfg(test)]
 pub(crate) mod energy_checks;
+mod even_tether;
 mod gravity;
 mod junction;
 mod leash;
@@ -25,6 +26,7 @@ mod tuning;
 pub use bending::{Bending, BendingTerm};
 pub use drag::Drag;
 pub use edge_contact::{EdgeContact, EdgeContacts};
+pub use even_tether::EvenTether;
 pub use gravity::Gravity;
 pub use junction::Junctions;
 pub use leash::{Leash, Leashes};
