@@ -21,6 +21,8 @@ pub(crate) struct SearchTuning {
     /// Activation distance over rest distance for pairs that are near in the rest shape [-]. Less than 1, so that nothing pushes at
     /// rest.
     pub max_dhat_over_rest_distance: f64,
+    /// Rest distance over d-hat below which joined primitives touch [-].
+    pub touching_fraction: f64,
     /// Time in which a reduced activation distance grows to d-hat [s].
     pub dhat_growth_time: f64,
     /// Largest activation distance over distance while it grows [-]: the barrier pushes gently there.
@@ -124,6 +126,7 @@ impl ContactTuning {
         search: SearchTuning {
             candidate_margin: 1.5,
             max_dhat_over_rest_distance: 0.9,
+            touching_fraction: 1e-4,
             dhat_growth_time: 0.25,
             max_growing_dhat_over_distance: 2.0,
             far_query_factor: 4.0,

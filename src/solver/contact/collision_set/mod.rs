@@ -21,7 +21,7 @@ use crate::contact::settings::ContactSettings;
 use crate::contact::step_bounds::StepFractions;
 use crate::contact::tuning::TUNING;
 use crease_geometry::math::Vec3;
-use crease_geometry::mesh::{PointIndex, Topology};
+use crease_geometry::mesh::{PointIndex, Topology, edge_key};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -60,6 +60,19 @@ struct RestMesh {
     point_area: Vec<f64>,
     /// Areas [m²], one per edge.
     edge_area: Vec<f64>,
+}
+
+impl RestMesh {
+    /// Whether an edge joins the two primitives of a pair. Where such primitives touch at rest, as the diagonals of a square that a pocket
+    /// is sewn onto with its corner, neither has a side of the other to stay on.
+    fn are_joined(&self, kind: PairKind, [a, b, c, d]: [u32; 4]) -> bool {
+        let (first, second): (&[u32], &[u32]) = match kind {
+            PairKind::PointTriangle => (&[a], &[b, c, d]),
+            PairKind::EdgeEdge => (&[a, b], &[c, d]),
+        };
+        let is_edge = |p: &u32, q: &u32| self.edges.binary_search(&edge_key(*p, *q)).is_ok();
+        first.iter().any(|p| second.iter().any(|q| is_edge(p, q)))
+    }
 }
 
 /// What decides between two ways to limit a displacement.
@@ -267,15 +280,19 @@ impl CollisionSet {
         self.cached_rest_query = None;
         let mesh = &self.mesh;
         let initial = self.initial.as_ref().filter(|initial| !initial.is_empty());
-        let pair = |kind: PairKind, points: [u32; 4], area: f64, ignored: bool| {
+        let pair = |kind: PairKind, points: [u32; 4], area: f64, ignored: bool| -> Option<CandidatePair> {
             let mut dhat = self.local_dhat.of_pair(&points);
             // Few pairs are near at rest, and their boxes say so.
             let rest = points.map(|p| mesh.x[p as usize]);
             let max_ratio = TUNING.search.max_dhat_over_rest_distance;
             if !kind.apart_on_an_axis(&rest, dhat / max_ratio) {
-                dhat = dhat.min(max_ratio * kind.closest_points(&rest).distance);
+                let distance = kind.closest_points(&rest).distance;
+                if distance < TUNING.search.touching_fraction * dhat && mesh.are_joined(kind, points) {
+                    return None;
+                }
+                dhat = dhat.min(max_ratio * distance);
             }
-            CandidatePair { points, kind, dhat, area, ignored }
+            Some(CandidatePair { points, kind, dhat, area, ignored })
         };
         let point = |&[p, f]: &[u32; 2]| {
             let [a, b, c] = mesh.triangles[f as usize].map(|c| c.0);
@@ -289,8 +306,8 @@ impl CollisionSet {
             let ignored = initial.is_some_and(|initial| initial.ignores_edges(e, f));
             pair(PairKind::EdgeEdge, [a, b, c, d], area, ignored)
         };
-        let points = found.point_triangle.par_iter().map(point);
-        let pairs: Vec<CandidatePair> = points.chain(found.edge_edge.par_iter().map(edges)).collect();
+        let points = found.point_triangle.par_iter().filter_map(point);
+        let pairs: Vec<CandidatePair> = points.chain(found.edge_edge.par_iter().filter_map(edges)).collect();
         self.pairs = pairs;
         !found.is_empty()
     }
@@ -473,6 +490,25 @@ fn edge_areas(edges: &[[u32; 2]], point_area: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A pocket begins at two sides of a square of the cloth below: its diagonal lies on the other one of the square, and on neither side
+    /// of it. Guarded, the pair would hold its four points for ever.
+    #[test]
+    fn joined_edges_that_touch_at_rest_stop_nothing() {
+        let corners =
+            [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.02, 0.0, 0.02], [0.0, 0.0, 0.02], [0.02, 3e-3, 0.02]];
+        let points: Vec<Vec3> = corners.into_iter().map(Vec3::from).collect();
+        let triangles = [[0, 2, 1], [0, 3, 2], [0, 3, 1], [1, 3, 4]].map(|t| t.map(PointIndex));
+        let topology = Topology::new(points.len(), &triangles);
+        let settings = ContactSettings::uniform(1e-3, 1e6, 0.0);
+        let mut set = CollisionSet::new(&settings, &points, &triangles, &topology, &[1e-4; 5]);
+        set.freeze_initial_intersections();
+        set.begin_step(&points, &[false; 5]);
+        let wanted: Vec<Vec3> = (0..5).map(|p| Vec3::y() * if p % 2 == 1 { 1e-3 } else { 0.0 }).collect();
+        let mut d = wanted.clone();
+        set.limit_displacement(&points, &mut d, LimitCriteria { decrease: &|_| 1.0, allowed: &|_| 1.0 });
+        assert_eq!(d, wanted);
+    }
 
     /// Of two points one is stopped; what that leaves of the decrease decides whether the other moves on alone.
     #[test]
