@@ -289,7 +289,7 @@ impl<'a> Bake<'a> {
         observer.on_mesh(if options.frames_of_simulated { &choice.mesh.garment } else { garment });
         let reading = GarmentReading::new(garment, options.body.as_deref());
         let simulated = simulate(resume_from, choice, &setup, observer)?;
-        let SimulationResult { mesh, positions, end, rest, start, mut report, mut seconds, mut stepper } =
+        let SimulationResult { mesh, positions, rest, start, mut report, mut seconds, mut stepper } =
             simulated;
         report.decisions.push(decision);
 
@@ -330,7 +330,7 @@ impl<'a> Bake<'a> {
         report.warn(relaxed.warnings);
         report.unconverged_reason = relaxed.unconverged_reason.or(report.unconverged_reason);
         report.stages = seconds.named();
-        let end = end.unwrap_or_else(|| mesh.to_source(&positions));
+        let end = mesh.to_source(&positions);
         let worn = WornGarment { displacement, memory };
         let on_mesh = WornGarment { displacement: relaxed.displacement, memory: rest };
         let simulated = SimulatedGarment { garment: mesh.garment, worn: on_mesh };

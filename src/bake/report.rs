@@ -84,8 +84,8 @@ pub struct BakeResult {
     /// The worn garment, in its source pose.
     pub worn: WornGarment,
     /// Positions at the end of the script, one per point of the garment [m]: folded, where it only opens the garment at its end and neither
-    /// frames nor full fidelity ask for that (the decision "opening at the end"). Read off the simulated mesh, where frames do not show the
-    /// garment: the layers of triangles too coarse for a fold may cross there.
+    /// frames nor full fidelity ask for that (the decision "opening at the end"). Read off the simulated mesh: triangles too coarse for a
+    /// fold may cross there, which those of a frame do not.
     pub end: Vec<Vec3>,
     /// The mesh that was simulated, with the memory that it earned.
     pub simulated: SimulatedGarment,

@@ -82,11 +82,6 @@ impl<'a> GarmentFrames<'a> {
         self.follower.get_or_insert_with(|| ShapeFollower::new(&garment.points, garment.exported_triangles()))
     }
 
-    /// Positions of the garment's points in the last frame [m], if they followed the mesh.
-    pub fn last(&self) -> Option<Vec<Vec3>> {
-        self.follower.as_ref().map(|follower| follower.positions().to_vec())
-    }
-
     /// What a resumed run goes on from, if frames were shown.
     pub fn state(&self) -> Option<[Vec<Vec3>; 2]> {
         self.follower.as_ref().map(ShapeFollower::state)

@@ -1,6 +1,5 @@
 //! First phase of a bake: the script is run on the simulation mesh.
 
-use crate::bake::relax::garment_reading::GarmentFrames;
 use crate::bake::report::{BakeReport, StageSeconds};
 use crate::bake::run::checkpoint::Checkpoint;
 use crate::bake::run::running_bake::Run;
@@ -18,8 +17,6 @@ pub(in crate::bake) struct SimulationResult {
     pub mesh: SimulationMesh,
     /// Positions at the end of the script, one per point [m].
     pub positions: Vec<Vec3>,
-    /// The garment as the last frame shows it [m], if frames show it.
-    pub end: Option<Vec<Vec3>>,
     /// The rest state that the script left.
     pub rest: RestState,
     /// The rest state that it began with, where the cloth was not new.
@@ -69,7 +66,6 @@ pub(in crate::bake) fn simulate(
     Ok(SimulationResult {
         mesh: run.mesh,
         positions: run.state.x,
-        end: run.of_garment.as_ref().and_then(GarmentFrames::last),
         rest: run.memory.rest,
         start: run.memory.start,
         report: run.report,
