@@ -26,12 +26,12 @@ pub(super) struct AlignmentTarget {
 }
 
 impl AlignmentTarget {
-    /// `target` in its canonical pose for `sources`: as it lies where they do and nothing but their shape aligns them.
+    /// `target` in its canonical pose for `sources`: as it lies where they do and neither joints nor limbs align them.
     pub fn new(target: &GarmentSurface, sources: &[TransferSource], options: &TransferOptions) -> Self {
         let pose = CanonicalPose::of(target);
         let standing = Self { pose, canonical: pose.apply(target, Vec3::repeat(1.0)), file_points: None };
         let lies = |source: &TransferSource| {
-            CanonicalPose::of(&source.surface).flat && standing.has_only_its_shape(source, options)
+            CanonicalPose::of(&source.surface).flat && standing.has_only_its_box(source, options)
         };
         if pose.flat || !sources.iter().all(lies) {
             return standing;
@@ -42,15 +42,20 @@ impl AlignmentTarget {
         Self { pose, canonical, file_points: Some(target.points.clone()) }
     }
 
-    /// Whether nothing but its shape aligns `source` with the target.
-    fn has_only_its_shape(&self, source: &TransferSource, options: &TransferOptions) -> bool {
-        let pose = &CanonicalPose::of(&source.surface);
+    /// Whether nothing but its openings or its box align `source` with the target.
+    fn has_only_its_box(&self, source: &TransferSource, options: &TransferOptions) -> bool {
+        let surface = source.simulated.as_ref().map_or(&source.surface, |(surface, _)| surface);
+        let pose = &CanonicalPose::of(surface);
         let joints = || joint_point_pairs(&source.joints, &options.joints, pose.size.norm());
-        let alignment = Alignment { source, surface: &source.surface, pose, target: self };
+        let alignment = Alignment { source, surface, pose, target: self };
         options.landmarks.is_empty()
             && match options.align {
                 Align::Box => true,
-                Align::Auto => (options.mirror_x || joints().is_empty()) && !alignment.shares_its_place(),
+                Align::Auto => {
+                    (options.mirror_x || joints().is_empty())
+                        && !alignment.shares_its_place()
+                        && alignment.by_shape().by != AlignedBy::Limbs
+                }
                 Align::InPlace | Align::Joints => false,
             }
     }
