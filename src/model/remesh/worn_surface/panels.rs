@@ -61,8 +61,8 @@ fn panel_rotations(mesh: &GarmentSurface, after: &[Vec3], creases: &CreaseEdges)
     (0..count).map(|f| std::array::from_fn(|k| mean[groups.find((3 * f + k) as u32) as usize])).collect()
 }
 
-/// Rotations of the panel along the border of the strip around its triangle `first`: where the way to them over the strip, which does not cross a
-/// centre line, is not much longer than the shortest. Where a centre line ends its two sides are one strip, and the other side is the longer way.
+/// Rotations of the panel along the border of the strip around its triangle `first`: where the path to them over the strip, which does not cross a
+/// centre line, is not much longer than the shortest. Where a centre line ends its two sides are one strip, and the path to the other side is longer.
 fn seeds_around(
     mesh: &GarmentSurface,
     creases: &CreaseEdges,
@@ -74,9 +74,9 @@ fn seeds_around(
     let mut open = BinaryHeap::from([Reverse((0.0f64.to_bits(), first))]);
     let mut seen = FxHashSet::default();
     let mut farthest = f64::INFINITY;
-    while let Some(Reverse((way, f))) = open.pop() {
-        let way = f64::from_bits(way);
-        if way > farthest {
+    while let Some(Reverse((length, f))) = open.pop() {
+        let length = f64::from_bits(length);
+        if length > farthest {
             break;
         }
         if !seen.insert(f) {
@@ -85,10 +85,10 @@ fn seeds_around(
         for (other, ends) in neighbours(mesh, creases, f) {
             if creases.strip[other] {
                 let step = (mesh.centroid(other) - mesh.centroid(f)).norm();
-                open.push(Reverse(((way + step).to_bits(), other)));
+                open.push(Reverse(((length + step).to_bits(), other)));
                 continue;
             }
-            farthest = farthest.min(way + STRIP_REACHES * TUNING.strip_reach);
+            farthest = farthest.min(length + STRIP_REACHES * TUNING.strip_reach);
             for p in ends {
                 let k = mesh.triangles[other].iter().position(|q| *q == p).unwrap_or(0);
                 let entry = found.entry(p.0).or_insert((Mat3::zeros(), 0.0));
