@@ -51,7 +51,7 @@ impl LyingPlane {
         })
     }
 
-    /// Corners of the triangle `t` [m].
+    /// Corners of the triangle `face` of `surface` [m].
     pub fn corners(&self, surface: &GarmentSurface, face: u32) -> [Vec2; 3] {
         surface.triangles[face as usize].map(|p| self.places[p.at()])
     }

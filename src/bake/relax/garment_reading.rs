@@ -151,11 +151,8 @@ impl<'a> GarmentReading<'a> {
         let shape: Vec<Vec3> = mesh.garment.points.iter().zip(displacement).map(|(x, d)| x + d).collect();
         let target = mesh.carry(self.garment, &shape);
         let mut points = target.clone();
-        let is_refined = !self.garment.file_triangles.is_empty();
-        if !mesh.is_source || is_refined {
-            for triangles in [&self.garment.triangles, self.garment.exported_triangles()] {
-                points = self.without_crossings(points, triangles);
-            }
+        if !mesh.is_source || !self.garment.file_triangles.is_empty() {
+            points = self.without_crossings(points);
         }
         points = self.beside_body(points);
         let held =
@@ -167,8 +164,18 @@ impl<'a> GarmentReading<'a> {
         (points.iter().zip(source).map(|(x, source)| x - source).collect(), decision)
     }
 
-    /// The positions `target` [m], or others near them, at which no `triangles` cross but those that do in the source pose.
-    fn without_crossings(&self, target: Vec<Vec3>, triangles: &[[PointIndex; 3]]) -> Vec<Vec3> {
+    /// The positions `target` [m], or others near them, at which no triangles cross but those that do in the source pose: those of the garment and, if
+    /// it was refined, those of its file.
+    fn without_crossings(&self, target: Vec<Vec3>) -> Vec<Vec3> {
+        let points = self.without_crossings_of(target, &self.garment.triangles);
+        match self.garment.file_triangles.is_empty() {
+            true => points,
+            false => self.without_crossings_of(points, &self.garment.file_triangles),
+        }
+    }
+
+    /// The same for `triangles`.
+    fn without_crossings_of(&self, target: Vec<Vec3>, triangles: &[[PointIndex; 3]]) -> Vec<Vec3> {
         let source = &self.garment.points;
         let crossing = self_intersections(&target, triangles);
         if crossing.is_empty() {
@@ -200,9 +207,7 @@ impl<'a> GarmentReading<'a> {
             for p in self.with_neighbours(&faulty, 1 + round / 8) {
                 x[p] = source[p] + (x[p] - source[p]) * factor;
             }
-            for triangles in [&self.garment.triangles, self.garment.exported_triangles()] {
-                x = self.without_crossings(x, triangles);
-            }
+            x = self.without_crossings(x);
         }
         x
     }
