@@ -175,4 +175,16 @@ mod tests {
         }
         assert!(found[0].angle.iter().all(|angle| (angle - 1.6).abs() < 1e-9), "{:?}", found[0].angle);
     }
+
+    #[test]
+    fn a_mesh_made_for_folds_has_creases_on_their_lines_alone() {
+        let (garment, memory, middle) =
+            folded(|column, _| if column == 0 || column == 3 { 1.0 } else { 0.0 });
+        let mut mesh = GarmentSurface::without_texture(&garment);
+        assert_eq!(Crease::find(&mesh, &memory, &garment, 2e-3).len(), 2);
+        mesh.on_fold_line = Some(mesh.points.iter().map(|x| (x.x - middle).abs() < 1e-9).collect());
+        assert_eq!(Crease::find(&mesh, &memory, &garment, 2e-3).len(), 1);
+        mesh.on_fold_line = Some(vec![false; mesh.points.len()]);
+        assert_eq!(Crease::find(&mesh, &memory, &garment, 2e-3), []);
+    }
 }
